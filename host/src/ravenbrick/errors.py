@@ -61,7 +61,10 @@ class ExitCode(IntEnum):
     CONNECTION_FAILED = 11, "No real brick was found, or the transfer to it failed."
     NO_TIMING_BOUND = 12, "A time has no bound; the missing flow fact is named."
     BRICK_DIFFERS = 13, "The brick differs from the virtual brick; rows and parameters are named."
-    DEADLINE_CAN_BE_MISSED = 14, "A deadline can be missed, or a stack can overflow."
+    DEADLINE_CAN_BE_MISSED = (
+        14,
+        "A deadline can be missed, or a stack can overflow or has no bound.",
+    )
     INTERRUPTED = 130, "Interrupted from the keyboard."
 
 
@@ -172,7 +175,8 @@ class InterruptError(RavenbrickError):
 
 
 class DeadlineError(RavenbrickError):
-    """A deadline can be missed or a stack can overflow; `data` holds the analysis."""
+    """A deadline can be missed, or a stack can overflow or has no bound; `data` holds the
+    analysis."""
 
     exit_code = ExitCode.DEADLINE_CAN_BE_MISSED
 

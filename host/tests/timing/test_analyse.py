@@ -14,8 +14,9 @@ from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRI
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.cli.analyse import checked
 from ravenbrick.clock import MASTER_CLOCK
-from ravenbrick.errors import ImageFileError, ProjectFileError, RavenbrickError
+from ravenbrick.errors import DeadlineError, ImageFileError, ProjectFileError, RavenbrickError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
@@ -39,6 +40,7 @@ from ravenbrick.timing.observation.observed import exceeded, observe
 from ravenbrick.timing.observation.worst_case_search import largest, search_worst_case
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.result import advice, result_of
+from ravenbrick.timing.results.stacks import stack_lines, stacks_suffice
 from ravenbrick.timing.results.worst_path import worst_paths
 from ravenbrick.timing.scheduled_tasks import Change
 from ravenbrick.timing.unmatched_facts import check_facts
@@ -88,8 +90,9 @@ def test_no_response_time_and_no_stack_of_the_run_exceeds_its_bound(
 ) -> None:
     counts = fact_counts(robot, read_facts(robot), image, analysis.counted, recording)
     check_facts_of_run(counts, "the run")
-    least = {count.seen for count in counts if count.fact.startswith("pragma Annotate")}
-    assert counts and least and min(least) > 0
+    pragmas = [count for count in counts if count.fact.startswith("pragma Annotate")]
+    (rows,) = (count.fact for count in pragmas if not count.seen)
+    assert len(pragmas) > 1 and "nxt-display.adb" in rows  # no text is longer than a row
     seen = observe(robot, recording)
     assert set(seen) == {task.name for task in robot.tasks}
     assert exceeded(analysis, seen) == []
@@ -178,15 +181,40 @@ def test_a_stack_that_may_overflow_is_said_first(analysis: Analysis) -> None:
     result = result_of(replace(analysis, tasks=tuple(tasks)), {})
     assert not result["stacks_suffice"] and result["schedulable"]
     first, second, *_ = advice(result)
-    assert re.match(r"control_task may need \d+ bytes of stack and has 600: enlarge", first)
+    assert re.match(r"control_task may need \d+ bytes of stack, and there are 600: enlarge", first)
     assert "of stack" not in second
 
 
-def test_a_stack_without_a_bound_is_said(analysis: Analysis) -> None:
-    result = result_of(analysis, {})
-    result["tasks"][1]["stack_bound_bytes"] = None
-    name = result["tasks"][1]["name"]
-    assert advice(result)[0].startswith(f"no bound was found for the stack of {name} (")
+def test_a_stack_without_a_bound_does_not_suffice(analysis: Analysis) -> None:
+    """The verdict names the task and the line, in text and data, and no deadline is missed."""
+    first, *others = analysis.tasks
+    job = replace(first.job, stack_bytes=None, stack_lost="panel.adb:64")
+    result = result_of(replace(analysis, tasks=(replace(first, job=job), *others)), {})
+    assert result["schedulable"] and result["stacks_suffice"] is False
+    (lost,) = (stack for stack in result["stacks"] if stack["bound_bytes"] is None)
+    assert lost["name"] == first.task.name and lost["lost_at"] == "panel.adb:64"
+    words = rf"no bound was found for the stack of {first.task.name} \(\d+ bytes\): at panel.adb:64"
+    with pytest.raises(DeadlineError, match=words) as caught:
+        checked({**result, "advice": advice(result)})
+    assert caught.value.data["stacks_suffice"] is False
+
+
+def test_the_stack_of_the_environment_task_is_not_judged() -> None:
+    stack = {"name": "environment", "bound_bytes": None, "size_bytes": 4096, "lost_at": None}
+    (line,) = stack_lines([stack])
+    assert line.startswith("no bound was found for the stack of environment (4096 bytes): it elab")
+    assert stacks_suffice([stack]) is None
+    other = {**stack, "name": "control", "bound_bytes": 4096}
+    assert stacks_suffice([stack, other]) is None and stacks_suffice([other]) is True
+    assert stacks_suffice([stack, {**other, "size_bytes": 4095}]) is False
+
+
+def test_the_handlers_stack_is_judged_too(analysis: Analysis) -> None:
+    assert result_of(analysis, {})["stacks_suffice"]
+    result = result_of(replace(analysis, handlers_stack_bytes=64), {})
+    first, *_ = advice(result)
+    assert re.match(r"interrupt handlers may need \d+ bytes of stack, and there are 64", first)
+    assert "ravenbrick_handler_stack_size" in first and not result["stacks_suffice"]
 
 
 def test_without_a_job_that_can_be_shortened_the_largest_term_is_named(analysis: Analysis) -> None:

@@ -71,7 +71,7 @@ from ravenbrick.trace.task_set import check_shortest_interval, check_task_set
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["analyse_command"]
+__all__ = ["analyse_command", "checked"]
 
 
 def _scenario(workspace: Workspace, robot: Robot, name: str | None) -> Scenario:
@@ -268,12 +268,12 @@ def _print(reporter: Reporter, result: dict[str, Any], notes: Sequence[str]) -> 
 
 
 def _holds(result: dict[str, Any]) -> bool:
-    return bool(result["schedulable"] and result["stacks_suffice"])
+    return result["schedulable"] and result["stacks_suffice"] is not False
 
 
-def _answer(result: dict[str, Any]) -> dict[str, Any]:
-    """The result; raises `DeadlineError` with it when a deadline can be missed or a stack can
-    overflow."""
+def checked(result: dict[str, Any]) -> dict[str, Any]:
+    """The result; raises `DeadlineError` with it when a deadline can be missed, or a stack can
+    overflow or has no bound."""
     if _holds(result):
         return result
     verdict = "NOT schedulable" if not result["schedulable"] else "a stack can overflow"
@@ -348,7 +348,7 @@ def analyse_command(
         task_file = workspace.results / "taskset.toml"
         atomic_write(task_file, task_set_text(robot.name, analysis.task_set, analysis.overheads))
     _print(reporter, result, notes)
-    return _answer(
+    return checked(
         {
             **result,
             "advice": advice(result),

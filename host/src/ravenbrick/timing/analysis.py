@@ -29,7 +29,13 @@ from ravenbrick.timing.background import (
     endless_words,
     main_symbol,
 )
-from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
+from ravenbrick.timing.bounds import (
+    Bound,
+    ExecutionTimeError,
+    JobQuestion,
+    execution_times,
+    whole_stack,
+)
 from ravenbrick.timing.counted_facts import CountedFact, counted_facts
 from ravenbrick.timing.events import EventCost, event_costs, event_count, handlers_of_events
 from ravenbrick.timing.facts import TIMING_FILE, Facts, KindOfJob, Mode, annotations_of
@@ -100,6 +106,7 @@ class Analysis:
     transfers: tuple[str, ...] = ()
     background: Background = NO_BACKGROUND
     counted: tuple[CountedFact, ...] = ()
+    handlers_stack_bytes: int = 0
     requests: tuple[Request, ...] = ()
     kinds: tuple[tuple[KindOfJob, int], ...] = ()
 
@@ -232,17 +239,9 @@ def _check_endless(question: ExecutionTimeError, tasks: dict[str, Task]) -> None
         raise DeadlineError(words, detail=f"{question}\n{question.detail}") from question
 
 
-def _stack_bytes(
-    image: ElfImage,
-    question: JobQuestion,
-    annotations: Sequence[tuple[str, str]],
-) -> int | None:
-    """Deepest stack of a task with all it calls, also outside of its jobs."""
-    try:
-        found = execution_times(image.content, jobs=[question], annotations=annotations).jobs
-    except ExecutionTimeError:
-        return None
-    return found[0].stack_bytes
+def _handlers_stack_bytes(image: ElfImage) -> int:
+    top, bottom = (image.symbols[f"ravenbrick_handler_stack{end}"] for end in ("_top", ""))
+    return top.address - bottom.address
 
 
 def known_facts(
@@ -382,8 +381,8 @@ def analyse(
     asked = dict(zip((task.name for task in tasks), questions, strict=True))
     kinds_of = partial(_kinds, image, facts, asked, timing)
     if facts.outside:
-        stacks = [_stack_bytes(image, one, annotations) for one in questions]
-        jobs = [(t, replace(j, stack_bytes=s)) for (t, j), s in zip(jobs, stacks, strict=True)]
+        whole = [whole_stack(image.content, annotations, one) for one in questions]
+        jobs = [(t, replace(j, **stack)) for (t, j), stack in zip(jobs, whole, strict=True)]
     for task, job in [*jobs, *background.all_threads]:
         _check_ceilings(robot, job, task, objects)
     facts = with_operations(facts, jobs, bounded)
@@ -411,6 +410,7 @@ def analyse(
         tuple(task.name for task in transfers),
         background,
         counted,
+        _handlers_stack_bytes(image),
         requests_of(facts, costs, [*jobs, *background.all_threads]),
         tuple(executions[0].kinds),
     )

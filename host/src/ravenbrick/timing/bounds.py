@@ -25,6 +25,7 @@ __all__ = [
     "JobQuestion",
     "execution_times",
     "recursion_words",
+    "whole_stack",
 ]
 
 
@@ -47,7 +48,8 @@ class Bound:
     `critical_sections` are the longest ones (protected actions): urgency and cycles. `reached` are
     all functions that may be executed, `reached_inside` those that a job calls before it waits for
     its next release in one of `released_by`. What runs in the background has no cycles, nor has a
-    task that stays in a loop for ever without a wait, at the line `endless`.
+    task that stays in a loop for ever without a wait, at the line `endless`. A stack without a
+    bound is lost at the line `stack_lost`, if that is known.
     """
 
     symbol: str
@@ -61,6 +63,7 @@ class Bound:
     released_by: frozenset[str] = frozenset()
     endless: str | None = None
     path: dict[str, Any] | None = None
+    stack_lost: str | None = None
 
     def longest_critical_section(self, above_urgency: int) -> int:
         """Longest critical section above an urgency, in cycles."""
@@ -148,6 +151,7 @@ def _bound(answer: dict[str, Any]) -> Bound:
         frozenset(answer["released_by"]),
         answer["endless"],
         answer["path"],
+        answer["stack_lost"] or None,
     )
 
 
@@ -260,3 +264,14 @@ def execution_times(
         answer["effort"],
         tuple(answer["runs"]),
     )
+
+
+def whole_stack(
+    elf: bytes, annotations: Sequence[tuple[str, str]], question: JobQuestion
+) -> dict[str, Any]:
+    """Stack of a task with all it calls, also outside of its jobs, as fields of `Bound`."""
+    try:
+        (bound,) = execution_times(elf, jobs=[question], annotations=annotations).jobs
+    except ExecutionTimeError:
+        return {"stack_bytes": None, "stack_lost": None}
+    return {"stack_bytes": bound.stack_bytes, "stack_lost": bound.stack_lost}

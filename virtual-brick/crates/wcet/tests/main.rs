@@ -12,6 +12,7 @@ mod interworking;
 mod loop_forms;
 mod refusals;
 mod soundness;
+mod stacks;
 mod support;
 mod task_bodies;
 mod worst_path;

@@ -14,6 +14,7 @@ from ravenbrick.timing.background import endless_words
 from ravenbrick.timing.bounds import recursion_words
 from ravenbrick.timing.margins import largest_scaling, longest_execution, smallest_period
 from ravenbrick.timing.observation.observed import Observed, ratio
+from ravenbrick.timing.results.stacks import stack_lines, stacks_of, stacks_suffice
 from ravenbrick.timing.scheduled_tasks import TaskTiming, deepest_stack
 from ravenbrick.trace.interrupts import source_name
 
@@ -121,13 +122,6 @@ def _response(analysis: Analysis, name: str) -> dict[str, Any]:
     return {"response_bound_cycles": _up(found.bound), "meets_deadline": found.meets_deadline}
 
 
-def _stacks(analysis: Analysis) -> list[tuple[int | None, int]]:
-    """Bound and size of each stack of a task or background thread, in bytes."""
-    tasks = [(timing.stack_bound_bytes, timing.task.stack_bytes) for timing in analysis.tasks]
-    threads = analysis.background.all_threads
-    return tasks + [(deepest_stack(job), task.stack_bytes) for task, job in threads]
-
-
 def _misses(analysis: Analysis) -> list[dict[str, Any]]:
     """Tasks, interrupts, events and transfers that can miss their deadlines, the most urgent
     first. The deadline of a burst is the end of its window. Of a task with two releases in a
@@ -163,14 +157,14 @@ def result_of(
     in_modes = observed if undisturbed is None else undisturbed
     scaling = largest_scaling(analysis)
     factor = scaling.factor
+    stacks = stacks_of(analysis)
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
     return {
         "timing": analysis.services.timing,
         "schedulable": analysis.schedulable,
         "misses": _misses(analysis),
-        "stacks_suffice": all(
-            deepest is None or deepest <= size for deepest, size in _stacks(analysis)
-        ),
+        "stacks": stacks,
+        "stacks_suffice": stacks_suffice(stacks),
         "largest_scaling": None if factor is None else float(factor),
         "scaling_limited_by": scaling.limited_by,
         "utilization": float(analysis.task_set.utilization),
@@ -227,8 +221,10 @@ def _shown(cycles: int) -> str:
 
 
 def advice(result: dict[str, Any]) -> list[str]:
-    """Deadlines and stacks that do not fit with remedies; otherwise the margins."""
-    return [*_stack_lines(result), *_deadline_lines(result)]
+    """Deadlines and stacks that do not fit with remedies, the verdict's cause first; otherwise the
+    margins."""
+    stacks, deadlines = stack_lines(result["stacks"]), _deadline_lines(result)
+    return [*stacks, *deadlines] if result["schedulable"] else [*deadlines, *stacks]
 
 
 def _largest_term(task: dict[str, Any]) -> str:
@@ -242,24 +238,6 @@ def _largest_term(task: dict[str, Any]) -> str:
         f"no shorter job alone is enough for {task['name']}: give it a longer deadline, or begin "
         f"with the largest term of its bound, {name} with {_shown(largest)}"
     )
-
-
-def _stack_lines(result: dict[str, Any]) -> list[str]:
-    lines = []
-    for task in [*result["tasks"], *result["background"]]:
-        name, bound, size = task["name"], task["stack_bound_bytes"], task["stack_bytes"]
-        if bound is None:
-            lines.append(
-                f"no bound was found for the stack of {name} ({size} bytes); a frequent cause is a "
-                "string or array whose size is known only when the program runs, such as a string "
-                "chosen by an 'if' expression: choose by an 'if' statement instead"
-            )
-        elif bound > size:
-            lines.append(
-                f"{name} may need {bound} bytes of stack and has {size}: enlarge its "
-                "Storage_Size, or shorten its deepest calls"
-            )
-    return lines
 
 
 def _miss(miss: dict[str, Any]) -> str:

@@ -106,6 +106,7 @@ pub fn inner_recursive_call(entry: Entry) -> FunctionBound {
         cycles: 0,
         path_cycles: 0,
         stack_bytes: Some(0),
+        stack_lost: None,
         blocks: Vec::new(),
         loops: Vec::new(),
         sections: CriticalSections::new(),
@@ -120,6 +121,7 @@ fn context_bound(program: &Program<'_>, entry: Entry, cycles: u64) -> Result<Fun
     Ok(FunctionBound {
         cycles,
         stack_bytes: found.stack_bytes,
+        stack_lost: found.stack_lost,
         sections: found.sections,
         functions: found.functions,
         ..inner_recursive_call(entry)
@@ -203,6 +205,7 @@ pub fn bound_summary(
         cycles: elapsed.map_or(solution.cycles, |own| own.cycles),
         path,
         stack_bytes,
+        stack_lost: stack_lost(&records, &calls),
         loops,
         sections,
         functions: BTreeSet::new(),
@@ -301,10 +304,26 @@ fn stack_bound(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Opt
     for (record, callees) in records.iter().zip(calls) {
         most = most.max(record.depth_bytes?);
         for callee in callees {
-            most = most.max(record.call_depth_bytes? + callee.stack_bytes?);
+            most = most.max(depth_of_call(record, callee.stack_bytes)?);
         }
     }
     Some(most)
+}
+
+/// The instruction at which the depth of the stack is lost, here or in a callee.
+fn stack_lost(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Option<u32> {
+    let own = records.iter().find_map(|record| record.depth_lost);
+    let lost =
+        |callee: &Rc<FunctionBound>| callee.stack_lost.filter(|_| callee.stack_bytes.is_none());
+    own.or_else(|| calls.iter().flatten().find_map(lost))
+}
+
+/// Depth with a callee that takes so many bytes for any state; if that has no bound, in the
+/// contexts of the calls.
+pub fn depth_of_call(record: &BlockRecord, stack_bytes: Option<u32>) -> Option<u32> {
+    let any = record.call_depth_bytes.zip(stack_bytes);
+    any.map(|(here, below)| here + below)
+        .or(record.callee_depth_bytes)
 }
 
 fn block_bounds(

@@ -122,8 +122,9 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         }
     }
 
-    /// Executes a function on a state that holds at its entry; the joined states at its returns.
-    pub fn execute(&self, summary: &FunctionSummary, state: State) -> Option<State> {
+    /// Executes a function on a state that holds at its entry; the joined states at its returns,
+    /// and its deepest stack with what it calls.
+    pub fn execute(&self, summary: &FunctionSummary, state: State) -> Option<(State, Option<u32>)> {
         let (flow, forest) = (&summary.flow, &summary.forest);
         if summary.avoided.first() == Some(&true) {
             return None;
@@ -150,7 +151,8 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         self.note_unbounded(&execution);
         self.steps_left
             .set(self.steps_left.get().saturating_sub(steps));
-        returned.into_iter().reduce(|a, b| a.join(&b))
+        let after = returned.into_iter().reduce(|a, b| a.join(&b))?;
+        Some((after, execution.interpreter.deepest_bytes))
     }
 
     /// The summary of a callee that is analysed in its context and, where it is known, the caller's
@@ -200,13 +202,13 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         self.call_string.borrow_mut().pop();
         match after {
             None => CallOutcome::NeverReturns,
-            Some(after) if after.elapsed.cycles == UNBOUNDED => {
+            Some((after, _)) if after.elapsed.cycles == UNBOUNDED => {
                 self.bound_without_context(callee, state)
             }
-            Some(after) => {
+            Some((after, stack_bytes)) => {
                 let mut state = state;
                 self.add_call(callee, &mut state.elapsed, &after.elapsed);
-                CallOutcome::Bounded(state)
+                CallOutcome::Bounded(state, stack_bytes)
             }
         }
     }
@@ -230,7 +232,7 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         self.call_string.borrow_mut().push(callee);
         let after = self.execute(summary, state);
         self.call_string.borrow_mut().pop();
-        let Some(mut after) = after else {
+        let Some((mut after, stack_bytes)) = after else {
             return CallOutcome::NeverReturns;
         };
         after.rebase_stack(pointer.wrapping_neg());
@@ -240,7 +242,7 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         }
         let called = std::mem::replace(&mut after.elapsed, before.elapsed);
         self.add_call(callee, &mut after.elapsed, &called);
-        CallOutcome::Returns(after)
+        CallOutcome::Returns(after, stack_bytes)
     }
 
     /// Adds a call with its own path, and what facts say about it.
@@ -256,18 +258,20 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
     fn bound_without_context(&self, callee: Entry, state: State) -> CallOutcome {
         let arguments = std::array::from_fn(|n| state.registers[n].clone());
         let mut state = state;
-        match self.program.bound(callee, &as_arguments(&arguments)) {
+        let stack_bytes = match self.program.bound(callee, &as_arguments(&arguments)) {
             Ok(bound) => {
                 let tree = bound.path.as_ref();
                 state.elapsed.add_bound(callee.0, bound.cycles, tree);
+                bound.stack_bytes
             }
             Err(Error::NeverReturns(_)) => return CallOutcome::NeverReturns,
             Err(error) => {
                 self.failed.borrow_mut().get_or_insert(error);
                 state.elapsed.add_bound(callee.0, UNBOUNDED, None);
+                None
             }
-        }
-        CallOutcome::Bounded(state)
+        };
+        CallOutcome::Bounded(state, stack_bytes)
     }
 }
 
@@ -311,5 +315,6 @@ fn restore(after: &mut State, before: &State, changed: u16, pointer: i32) {
     after.shifted.clear();
     if matches!(before.registers[13], Value::Stack(_)) {
         after.stack_words.retain(|offset, _| *offset >= pointer);
+        after.saved_pointers.retain(|offset, _| *offset >= pointer);
     }
 }

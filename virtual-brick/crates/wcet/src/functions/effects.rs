@@ -6,6 +6,7 @@
 
 use crate::elapsed::UNBOUNDED;
 use crate::error::Error;
+use crate::functions::bound::depth_of_call;
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats};
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::function_summary::FunctionSummary;
@@ -14,7 +15,7 @@ use crate::inputs::image::Entry;
 use crate::paths::block_cost::{edge_costs, edge_cycles};
 use crate::paths::critical_section::{critical_sections, merge, CriticalSections};
 use crate::paths::longest_path::PathProblem;
-use crate::values::block_interpreter::{any_arguments, as_arguments};
+use crate::values::block_interpreter::{any_arguments, as_arguments, deeper};
 use crate::values::records::BlockRecord;
 use crate::values::state::State;
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,6 +30,8 @@ pub struct Effects {
     pub functions: BTreeSet<u32>,
     /// Stack below the stack pointer at entry; none when not bounded.
     pub stack_bytes: Option<u32>,
+    /// The instruction at which the depth of the stack is lost, if it is not bounded.
+    pub stack_lost: Option<u32>,
 }
 
 /// Addresses of a function and of all that it calls, in the contexts of these calls; what those
@@ -117,6 +120,7 @@ impl Search<'_, '_> {
                 return Err(error);
             }
             found.stack_bytes = deeper(found.stack_bytes, record.depth_bytes);
+            found.stack_lost = found.stack_lost.or(record.depth_lost);
             let longest = longest_call(&calls.bounded, record, false);
             let costs = edge_costs(block, &summary.costs[index], record, &longest);
             cycles.push(costs.iter().map(edge_cycles).collect());
@@ -153,15 +157,15 @@ impl Search<'_, '_> {
             .iter()
             .filter(|callee| record.callees.contains(callee));
         for (callee, known) in reached.flat_map(|c| arguments.iter().map(move |a| (*c, a))) {
-            let stack_bytes = match self.program.bound(callee, known) {
+            let (stack_bytes, stack_lost) = match self.program.bound(callee, known) {
                 Ok(bound) => {
                     if !self.program.conventions.unlocks.contains(&callee.0) {
                         merge(&mut found.sections, &bound.sections);
                     }
                     collect_functions(&bound, &|_| false, &mut found.functions);
-                    let stack_bytes = bound.stack_bytes;
+                    let stack = (bound.stack_bytes, bound.stack_lost);
                     calls.bounded.push(bound);
-                    stack_bytes
+                    stack
                 }
                 Err(Error::NeverReturns(_)) if self.endless == Endless::EndsProgram => continue,
                 Err(error @ (Error::NeverReturns(_) | Error::MissingBounds(_))) => {
@@ -172,19 +176,16 @@ impl Search<'_, '_> {
                     let in_context = in_context.is_some_and(|own| own.cycles != UNBOUNDED);
                     let needed = matches!(error, Error::MissingBounds(_)) && !in_context;
                     calls.unbounded = calls.unbounded.or(needed.then_some(error));
-                    inner.stack_bytes
+                    (inner.stack_bytes, inner.stack_lost)
                 }
                 Err(error) => return Err(error),
             };
-            let deepest = record.call_depth_bytes.zip(stack_bytes);
-            found.stack_bytes =
-                deeper(found.stack_bytes, deepest.map(|(here, below)| here + below));
+            let deepest = depth_of_call(record, stack_bytes);
+            found.stack_bytes = deeper(found.stack_bytes, deepest);
+            found.stack_lost = found
+                .stack_lost
+                .or(stack_lost.filter(|_| deepest.is_none()));
         }
         Ok(calls)
     }
-}
-
-/// The deeper of two stacks, unknown where one is.
-fn deeper(one: Option<u32>, other: Option<u32>) -> Option<u32> {
-    one.zip(other).map(|(one, other)| one.max(other))
 }

@@ -73,6 +73,8 @@ pub struct FunctionBound {
     pub path_cycles: u64,
     /// Stack below the stack pointer at entry, with all callees; `None` when not bounded.
     pub stack_bytes: Option<u32>,
+    /// The instruction at which the depth of the stack is lost, if it is not bounded.
+    pub stack_lost: Option<u32>,
     /// Blocks by address, with the longest path.
     pub blocks: Vec<BlockBound>,
     /// Loops by address of their header.

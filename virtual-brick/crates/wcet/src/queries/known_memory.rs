@@ -161,7 +161,7 @@ impl KnownMemory {
             }
             let after = calls.execute(&summary, state);
             let never = || Error::NeverReturns(program.image.place(entry.0));
-            let after = after.ok_or_else(never)?;
+            let (after, _) = after.ok_or_else(never)?;
             cycles = after.elapsed.cycles;
             if cycles == UNBOUNDED && position + 1 == self.calls.len() {
                 return Err(calls.failure());

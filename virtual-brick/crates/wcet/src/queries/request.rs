@@ -94,6 +94,8 @@ pub struct Answer {
     pub cycles: u64,
     /// Stack with all callees.
     pub stack_bytes: Option<u32>,
+    /// Without it, file and line at which the depth of the stack is lost; empty when not known.
+    pub stack_lost: Option<String>,
     /// Longest critical sections: urgency, cycles.
     pub critical_sections: Vec<(u32, u64)>,
     /// All functions that may be executed.
@@ -204,7 +206,7 @@ impl Answer {
     fn bounded(
         program: &Program<'_>,
         symbol: &str,
-        (bound, stack_bytes): (&FunctionBound, Option<u32>),
+        (bound, stack_bytes, stack_lost): (&FunctionBound, Option<u32>, Option<u32>),
         with_graph: bool,
     ) -> Self {
         let mut seen = BTreeSet::new();
@@ -213,6 +215,7 @@ impl Answer {
             symbol: symbol.to_owned(),
             cycles: bound.cycles,
             stack_bytes,
+            stack_lost: lost_at(program, stack_bytes, stack_lost),
             critical_sections: bound.sections.iter().map(|(u, c)| (*u, *c)).collect(),
             reached: names(program, &seen),
             report: Some(Report::of_bound(program, symbol, bound, bound.cycles)),
@@ -231,7 +234,12 @@ impl Answer {
             reached: names(program, &job.reached),
             reached_inside: names(program, &job.inside),
             released_by: names(program, &job.waits),
-            ..Self::bounded(program, symbol, (&*job.bound, job.stack_bytes), with_graph)
+            ..Self::bounded(
+                program,
+                symbol,
+                (&*job.bound, job.stack_bytes, job.stack_lost),
+                with_graph,
+            )
         }
     }
 
@@ -248,18 +256,26 @@ impl Answer {
                     sections,
                     functions,
                     stack_bytes,
+                    stack_lost,
                 },
                 endless,
             )) => Self {
                 symbol: symbol.to_owned(),
                 endless: endless.as_ref().map(source_line),
                 stack_bytes,
+                stack_lost: lost_at(program, stack_bytes, stack_lost),
                 critical_sections: sections.into_iter().collect(),
                 reached: names(program, &functions),
                 ..Self::default()
             },
         }
     }
+}
+
+/// Where the depth of a stack without a bound is lost.
+fn lost_at(program: &Program<'_>, bytes: Option<u32>, lost: Option<u32>) -> Option<String> {
+    let place = lost.filter(|_| bytes.is_none());
+    place.map(|address| source_line(&program.image.place(address)))
 }
 
 fn names(program: &Program<'_>, functions: &BTreeSet<u32>) -> Vec<String> {
@@ -354,7 +370,7 @@ impl Request {
             response.functions.push(match program.bound_of(symbol) {
                 Err(error) => Answer::refused(&program, symbol, &error),
                 Ok(found) => {
-                    let bound = (&*found, found.stack_bytes);
+                    let bound = (&*found, found.stack_bytes, found.stack_lost);
                     Answer::bounded(&program, symbol, bound, self.graphs)
                 }
             });

@@ -49,6 +49,8 @@ pub struct JobBound {
     pub waits: BTreeSet<u32>,
     /// Stack of the body with all it calls; none when not bounded.
     pub stack_bytes: Option<u32>,
+    /// The instruction at which the depth of the stack is lost, if it is not bounded.
+    pub stack_lost: Option<u32>,
 }
 
 /// What a task's body does.
@@ -98,8 +100,10 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
         }
     }
     let longest = longest.ok_or_else(|| Error::NeverReturns(program.image.place(entry.0)))?;
+    let whole = effects(program, entry, Endless::EndsProgram)?;
     Ok(TaskBody::Jobs(JobBound {
-        stack_bytes: effects(program, entry, Endless::EndsProgram)?.stack_bytes,
+        stack_bytes: whole.stack_bytes,
+        stack_lost: whole.stack_lost,
         reached,
         inside,
         waits: callees.iter().map(|callee| callee.0).collect(),
@@ -125,6 +129,7 @@ fn body_without_waits(
         collect_functions(&bound, &suspends, &mut inside);
         return Ok(TaskBody::Jobs(JobBound {
             stack_bytes: bound.stack_bytes,
+            stack_lost: bound.stack_lost,
             reached,
             inside,
             waits: BTreeSet::new(),

@@ -22,13 +22,14 @@ const MAX_PATHS_OVER_FLAGS: usize = 2;
 
 /// The outcome of a call in one state.
 pub enum CallOutcome {
-    /// It returns, with this state and the cycles of the callee added.
-    Returns(State),
+    /// It returns, with this state and the cycles of the callee added, after it took at most so
+    /// many bytes of stack.
+    Returns(State, Option<u32>),
     /// It does not return.
     NeverReturns,
     /// It was not analysed in its context: the state before it, with the cycles added that it takes
-    /// for any state with these arguments.
-    Bounded(State),
+    /// for any state with these arguments, and the bytes of stack.
+    Bounded(State, Option<u32>),
 }
 
 /// Executes calls in the states in which they are made.
@@ -57,6 +58,8 @@ pub struct BlockInterpreter<'a> {
     pub step_count: u64,
     /// Where executions of blocks are counted.
     pub visits: Option<&'a RefCell<Vec<u64>>>,
+    /// Deepest stack in bytes below the function's entry, with what is called.
+    pub deepest_bytes: Option<u32>,
 }
 
 /// Edges out of a block with their states, and the target of its last instruction.
@@ -102,6 +105,7 @@ impl<'a> BlockInterpreter<'a> {
             feasible: vec![false; block.edges.len()],
             depth_bytes: Some(0),
             call_depth_bytes: Some(0),
+            callee_depth_bytes: Some(0),
             ..BlockRecord::default()
         };
         Self {
@@ -126,6 +130,7 @@ impl<'a> BlockInterpreter<'a> {
             records: Vec::new(),
             step_count: 0,
             visits: None,
+            deepest_bytes: Some(0),
         }
     }
 
@@ -292,6 +297,7 @@ impl<'a> BlockInterpreter<'a> {
         instruction: &Instruction,
     ) -> Effects {
         let before = state.urgencies.last().copied();
+        let depth_before = state.depth_bytes();
         let effects = execute(self.environment, state, address, instruction);
         let urgency = before.max(state.urgencies.last().copied());
         let region = effects.address.as_ref().map(|value| {
@@ -300,6 +306,8 @@ impl<'a> BlockInterpreter<'a> {
         });
         let cycles = internal_cycles(instruction, effects.multiplier.as_ref());
         let cycles = cycles + self.gap_cycles(index, address, instruction, cycles);
+        let depth = state.depth_bytes();
+        self.deepest_bytes = deeper(self.deepest_bytes, depth);
         let access = |write| region.map_or(0, |r| self.environment.map.data_cycles(r, write));
         let (read, write) = (access(false), access(true));
         if let Some(cost) = self.costs.get(index) {
@@ -314,10 +322,10 @@ impl<'a> BlockInterpreter<'a> {
             record.unknown_address |= region == Some(None);
             record.internal_cycles = record.internal_cycles.max(cycles);
             block.urgency = block.urgency.max(urgency);
-            block.depth_bytes = block
-                .depth_bytes
-                .zip(state.depth_bytes())
-                .map(|(a, b)| a.max(b));
+            block.depth_bytes = deeper(block.depth_bytes, depth);
+            if depth.is_none() && depth_before.is_some() {
+                block.depth_lost.get_or_insert(address);
+            }
         }
         effects
     }
@@ -411,6 +419,11 @@ impl ControlFlowGraph {
             _ => true,
         }
     }
+}
+
+/// The deeper of two stacks, unknown where one is.
+pub fn deeper(one: Option<u32>, other: Option<u32>) -> Option<u32> {
+    one.zip(other).map(|(one, other)| one.max(other))
 }
 
 /// Most internal cycles with what is known about the multiplier.

@@ -4,7 +4,7 @@
 //! state, and which protected actions it enters and leaves.
 
 use crate::inputs::image::Entry;
-use crate::values::block_interpreter::{BlockInterpreter, CallOutcome};
+use crate::values::block_interpreter::{deeper, BlockInterpreter, CallOutcome};
 use crate::values::state::{enter, State, ANY_URGENCY};
 use crate::values::support_library::{apply_division, division};
 use crate::values::value::Value;
@@ -28,6 +28,8 @@ impl BlockInterpreter<'_> {
             return (!callees.is_empty()).then_some(state);
         };
         let before = state.elapsed.clone();
+        let depth = state.depth_bytes();
+        let mut deepest = Some(0);
         let (number, divisor) = (&state.registers[0], &state.registers[1]);
         let divided = division(self.environment.image, &callees, (number, divisor));
         let mut after: Option<State> = None;
@@ -35,25 +37,28 @@ impl BlockInterpreter<'_> {
         for (position, callee) in callees.iter().enumerate() {
             let last = position + 1 == callees.len();
             let own = if last { state.take() } else { state.clone() };
-            let found = match calls.call(*callee, own?) {
-                CallOutcome::Returns(found) => found,
+            let (found, bytes) = match calls.call(*callee, own?) {
+                CallOutcome::Returns(found, bytes) => (found, bytes),
                 CallOutcome::NeverReturns => continue,
-                CallOutcome::Bounded(mut state) => {
+                CallOutcome::Bounded(mut state, bytes) => {
                     self.apply_unknown_callee(index, address, &mut state);
-                    state
+                    (state, bytes)
                 }
             };
+            deepest = deeper(deepest, depth.zip(bytes).map(|(here, below)| here + below));
             after = Some(match after {
                 Some(known) => known.join(&found),
                 None => found,
             });
         }
         let mut after = after?;
+        self.deepest_bytes = deeper(self.deepest_bytes, deepest);
         after.urgencies = urgencies;
         if let Some(results) = divided {
             apply_division(&mut after.registers, results);
         }
         if let Some(record) = self.records.get_mut(index) {
+            record.callee_depth_bytes = deeper(record.callee_depth_bytes, deepest);
             let elapsed = after.elapsed.since(&before);
             record.callee_elapsed = Some(match record.callee_elapsed.take() {
                 Some(known) => known.longer(&elapsed),
@@ -118,8 +123,7 @@ impl BlockInterpreter<'_> {
             };
             record.arguments = Some(joined);
             record.callees.extend(callees);
-            let depths = record.call_depth_bytes.zip(state.depth_bytes());
-            record.call_depth_bytes = depths.map(|(a, b)| a.max(b));
+            record.call_depth_bytes = deeper(record.call_depth_bytes, state.depth_bytes());
             record.urgency = record.urgency.max(entered);
         }
         after

@@ -174,7 +174,7 @@ impl Step<'_> {
         }
     }
 
-    /// The stack pointer moved down by at most a known distance.
+    /// The stack pointer that may be one of several moved down by at most a known distance.
     fn track_lowest_pointer(&mut self, before: Option<i32>, operation: &Operation) {
         if !matches!(self.state.registers[13], Value::StackAny) {
             return;
@@ -195,8 +195,7 @@ impl Step<'_> {
             {
                 Some(block_transfer.size_bytes)
             }
-            _ if self.state.lowest_pointer.is_some() => Some(0),
-            _ => None,
+            _ => return,
         };
         let lowest_pointer = before.zip(distance.and_then(|d| i32::try_from(d).ok()));
         self.state.lowest_pointer =

@@ -69,6 +69,13 @@ impl Step<'_> {
         effects.address = Some(address.clone());
         if transfer.load {
             let loaded = self.load(&address, transfer.width, transfer.signed);
+            let saved = match (transfer.register, &address) {
+                (13, Value::Stack(word)) if loaded == Value::Top => {
+                    self.state.saved_pointers.get(word).copied()
+                }
+                _ => None,
+            };
+            let loaded = saved.map_or(loaded, Value::Stack);
             if transfer.write_back {
                 self.move_base(transfer.base, moved, distance);
             }
@@ -88,7 +95,12 @@ impl Step<'_> {
         } else {
             let stored = self.stored(transfer.register);
             let known = stored.constant().is_some();
+            let saved = match (transfer.register, &address, &stored) {
+                (13, Value::Stack(word), Value::Stack(pointer)) => Some((*word, *pointer)),
+                _ => None,
+            };
             self.store(&address, transfer.width, stored);
+            self.state.saved_pointers.extend(saved);
             if !known {
                 self.relate(transfer, &address);
             }
@@ -252,6 +264,7 @@ impl Step<'_> {
         match address {
             Value::Stack(offset) => {
                 let word = offset & !3;
+                self.state.saved_pointers.remove(&word);
                 if width == Width::Word && word == *offset && value != Value::Top {
                     self.state.stack_words.insert(word, value);
                 } else {

@@ -34,8 +34,12 @@ pub struct BlockRecord {
     pub arguments: Option<[Value; 4]>,
     /// Deepest stack in bytes below the function's entry; `None` when not known.
     pub depth_bytes: Option<u32>,
+    /// The instruction at which the depth was known and is not any more.
+    pub depth_lost: Option<u32>,
     /// Depth at the call.
     pub call_depth_bytes: Option<u32>,
+    /// Depth with what is called, in the contexts of the calls.
+    pub callee_depth_bytes: Option<u32>,
     /// Highest urgency of a protected action that the block is in, at least in part.
     pub urgency: Option<u32>,
     /// Longest call at its end, where calls are analysed in their context.

@@ -41,6 +41,9 @@ pub struct State {
     pub urgencies: Vec<u32>,
     /// The lowest that the stack pointer can be.
     pub lowest_pointer: Option<i32>,
+    /// Words of the stack to which a store of r13 wrote the stack pointer, and what it was: that of
+    /// a frame before an object whose size is computed. Nothing but a store there changes them.
+    pub saved_pointers: BTreeMap<i32, i32>,
     /// How many objects are entered by a function of the kernel that masks interrupts for it.
     pub mask_count: Option<u32>,
     /// Urgency of the running thread or handler, where it is known.
@@ -78,6 +81,14 @@ fn joined_urgencies(a: &[u32], b: &[u32]) -> Vec<u32> {
         .collect()
 }
 
+/// What is in both.
+fn common(one: &BTreeMap<i32, i32>, other: &BTreeMap<i32, i32>) -> BTreeMap<i32, i32> {
+    let both = one
+        .iter()
+        .filter(|(key, value)| other.get(key) == Some(value));
+    both.map(|(key, value)| (*key, *value)).collect()
+}
+
 /// A stack pointer that may be one of several: how deep it is, is kept apart from it.
 fn pointer_of_frame(value: Value) -> Value {
     match value {
@@ -111,6 +122,7 @@ impl State {
             suspended_pointer: None,
             urgencies: Vec::new(),
             lowest_pointer: Some(0),
+            saved_pointers: BTreeMap::new(),
             mask_count: Some(0),
             urgency: None,
             control: None,
@@ -171,6 +183,10 @@ impl State {
                 moved(&mut value);
                 (offset.wrapping_sub(by), value)
             })
+            .collect();
+        let saved_pointers = std::mem::take(&mut self.saved_pointers).into_iter();
+        self.saved_pointers = saved_pointers
+            .map(|(word, pointer)| (word.wrapping_sub(by), pointer.wrapping_sub(by)))
             .collect();
         if let Some(comparison) = &mut self.comparison {
             moved(&mut comparison.left.1);
@@ -250,11 +266,8 @@ impl State {
         self.shifted
             .retain(|copy| copy.register != number && copy.from != number);
         if number == 13 {
+            self.lowest_pointer = value.stack_offsets().map(|(lowest, _)| lowest);
             value = pointer_of_frame(value);
-            self.lowest_pointer = match value {
-                Value::Stack(offset) => Some(offset),
-                _ => None,
-            };
         }
         if let Some(register) = self.registers.get_mut(number as usize) {
             *register = value;
@@ -384,6 +397,7 @@ impl State {
                 .lowest_pointer
                 .zip(other.lowest_pointer)
                 .map(|(a, b)| a.min(b)),
+            saved_pointers: common(&self.saved_pointers, &other.saved_pointers),
             memory: self
                 .memory
                 .as_ref()
@@ -397,6 +411,7 @@ impl State {
     pub fn havoc_call(&mut self, changed: u16) {
         if let Value::Stack(pointer) = self.registers[13] {
             self.stack_words.retain(|offset, _| *offset >= pointer);
+            self.saved_pointers.retain(|offset, _| *offset >= pointer);
         }
         let passed = self.registers[..4].iter().any(Value::in_stack);
         self.set(14, Value::Top);

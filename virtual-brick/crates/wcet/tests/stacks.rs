@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+// SPDX-License-Identifier: Apache-2.0
+//! Stacks of functions with objects whose size is computed.
+
+use crate::support::machine::Machine;
+use crate::support::report;
+use crate::support::toolchain::{build, program};
+use wcet::{MemoryMap, Request};
+
+/// Without optimisation the address of the object is kept in the frame, among other numbers.
+fn on_optimised_arm(check: impl Fn(&[u8])) {
+    for level in ["-O1", "-O2", "-Os"] {
+        let sources = [program("computed_frames.c")];
+        if let Some(elf) = build("computed_frames", &sources, &["-marm", level]) {
+            check(&elf);
+        }
+    }
+}
+
+/// The bound of the stack is what the deepest of these calls takes.
+fn assert_stack_is_reached(
+    elf: &[u8],
+    symbol: &str,
+    facts: &str,
+    arguments: impl Iterator<Item = u32>,
+) {
+    let mut machine = Machine::new(elf);
+    let calls = arguments.map(|argument| machine.call(symbol, [argument, 0, 0, 0]));
+    let deepest = calls.map(|seen| seen.stack_bytes).max();
+    assert_eq!(report(elf, symbol, facts).unwrap().stack_bytes, deepest);
+}
+
+#[test]
+fn an_object_of_one_of_several_sizes_has_a_stack_though_the_frame_holds_the_pointer_before_it() {
+    let facts = "[[loop]]\nsymbol = \"chosen\"\niterations = 3\n";
+    on_optimised_arm(|elf| assert_stack_is_reached(elf, "chosen", facts, 0..8));
+}
+
+#[test]
+fn an_object_whose_size_only_the_frame_of_the_caller_shows_has_a_stack() {
+    on_optimised_arm(|elf| {
+        assert_eq!(report(elf, "copied", "").unwrap().stack_bytes, None);
+        assert_stack_is_reached(elf, "in_context", "", 0..1);
+    });
+}
+
+#[test]
+fn a_stack_without_a_bound_names_the_line_at_which_its_depth_is_lost() {
+    on_optimised_arm(|elf| {
+        let request = Request {
+            functions: vec!["any_length".to_owned(), "in_context".to_owned()],
+            ..Request::default()
+        };
+        let map = MemoryMap::without_wait_states();
+        let response = request.answer(elf, &map).unwrap();
+        let [lost, known] = &response.functions[..] else {
+            panic!("two answers");
+        };
+        assert_eq!(lost.stack_bytes, None);
+        let line = lost.stack_lost.as_deref();
+        assert_eq!(line, Some("computed_frames.c:57"));
+        assert_eq!(known.stack_lost, None);
+    });
+}
