@@ -18,7 +18,8 @@ HOST = ("trace", "model", "codegen", "control", "schedule", "timing", "grading",
 CARGO = "cargo test --offline --locked --quiet --manifest-path virtual-brick/Cargo.toml"
 PYTEST = ".venv/bin/python -m pytest -q -x -p no:cacheprovider"
 VITEST = "cd web && npx vitest run --bail=1 --configLoader runner"
-DEFINED = re.compile(r"\b(?:def|class|function|const|fn|struct|procedure|package)\s+(\w+)")
+WORDS = "def|class|function|const|procedure|package"
+DEFINED = re.compile(rf"^ *(?:export )?(?:{WORDS}) ([A-Za-z]\w{{3,}})", re.MULTILINE)
 COMPILE = ".venv/bin/python -m compileall -q"
 
 
@@ -54,15 +55,21 @@ class Room:
     def tests_near(self, tree: Path, source: str, count: int) -> str:
         """The command for the files of tests that name most of what a source defines, 0: for all.
 
-        A name counts less the more files have it.
+        What imports it counts a quarter, and a name less the more files have it.
         """
         if not (count and self.test_files):
             return self.test
-        defined = {Path(source).stem, *DEFINED.findall((tree / source).read_text("utf-8"))}
+        stem, texts = Path(source).stem, {}
+        for path in self.files(tree, self.sources):
+            if path.suffix in LANGUAGES:
+                texts[path] = path.read_text("utf-8")
+        own = {stem, *DEFINED.findall(texts[tree / source])}
+        users = [text for text in texts.values() if re.search(rf"\b{stem}(?: import |\")", text)]
+        share = dict.fromkeys(DEFINED.findall("\n".join(users)), 0.25) | dict.fromkeys(own, 1.0)
         files = [p for p in self.files(tree, self.tests) if re.match(r"test_|.*\.test\.", p.name)]
-        named = {p: defined & set(re.findall(r"\w+", p.read_text("utf-8"))) for p in files}
-        users = Counter(name for names in named.values() for name in names)
-        weight = {p: sum(1 / users[name] for name in names) for p, names in named.items()}
+        named = {p: share.keys() & set(re.findall(r"\w+", p.read_text("utf-8"))) for p in files}
+        having = Counter(name for names in named.values() for name in names)
+        weight = {p: sum(share[n] / having[n] for n in names) for p, names in named.items()}
         nearest = sorted(files, key=lambda path: -weight[path])[:count]
         return " ".join([self.test_files, *map(str, nearest)])
 

@@ -8,10 +8,13 @@ from typing import Any, cast
 
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from verification.support.recordings import preempted
 
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.timing.chain import ChainDelay
+from ravenbrick.timing.results import figures
 from ravenbrick.timing.results.figures import (
     TERMS,
     margin_figure,
@@ -66,6 +69,26 @@ def test_a_bound_is_the_row_of_its_terms_beside_its_share_of_the_deadline() -> N
     assert words == ["4000 of 1000 us", "2000 of 4000 us"]
     colours = [cast(Rectangle, bar).get_facecolor() for bar in times.patches]
     assert colours[0] != colours[1]
+
+
+def test_the_window_of_a_run_shows_who_had_the_processor_when() -> None:
+    """Cycles of the events: two handlers, a preemption; nothing lies outside of the window."""
+    (axis,) = Figure().subplots(1, 1, squeeze=False)[0]
+    recording = preempted()
+    lanes = {thread.name: lane for lane, thread in enumerate(recording.threads)}
+    figures._observed(axis, recording, lanes | {"interrupts": 2}, 1000, 5000.0, "the run")
+    hertz = MASTER_CLOCK.hertz / 1e6
+    found = [
+        (round(bar.get_y() + 0.3), round(bar.get_x() * hertz), round(bar.get_width() * hertz))
+        for bar in cast(list[Rectangle], axis.patches)
+    ]
+    assert [one for one in found if one[0] == 2] == [(2, 500, 100), (2, 1005, 95)]
+    assert [one for one in found if one[0] == 1] == [(1, 1130, 910)]
+    ends = [begin + width for _, begin, width in found]
+    begins = [begin for _, begin, _ in found]
+    assert begins[0] >= 0 and ends[-1] == 5000 and ends[:-1] <= begins[1:]
+    assert sum(width for _, _, width in found) >= 4990
+    assert "worst window of the run" in axis.get_title()
 
 
 def test_spreads_show_each_count_where_it_was_seen() -> None:
