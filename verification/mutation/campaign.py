@@ -21,6 +21,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -126,19 +127,19 @@ def judged(
     """The first mutants in the seed's order that a compiler takes, each with its outcome."""
     outcomes, found = Outcomes(room), 0
     waiting = ranked(room.mutants(ROOT), seed)
-    with Scratch(room.name) as scratch:
+    with ExitStack() as stack:
         judge = None
         for mutant in waiting:
             outcome = outcomes.of(mutant)
             if outcome is None:
                 if time.monotonic() > end:
                     return
-                judge = judge or Judge(room, scratch, near)
+                judge = judge or Judge(room, stack.enter_context(Scratch(room.name)), near)
                 outcome = judge.outcome(mutant)
                 if outcome != "survived" or not near:
                     outcomes.keep(mutant, outcome)
-                place = f"{mutant.line}: {mutant.key}"
-                print(f"{room.name} {found + 1}/{sample} {outcome} {place} ({scratch.said()})",
+                place = f"{mutant.line}: {mutant.key} ({judge.scratch.said()})"
+                print(f"{room.name} {found + 1}/{sample} {outcome} {place}",
                       file=sys.stderr, flush=True)  # fmt: skip
             if outcome != "refused":
                 found += 1
