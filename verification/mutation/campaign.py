@@ -6,6 +6,8 @@
 where an earlier run ended, also one in another clone: `outcomes/` keeps what was found. An outcome
 holds while the mutated file, and for survivors the tests too, stay as they are. Each survivor gets
 a verdict, by hand, in `verdicts.toml`; `results.json` becomes docs/reference/mutants.md.
+`--near 2` runs only the two files of tests that name most of what the mutated file defines: what
+they kill is killed; what survives them counts as a survivor and is judged again by the next run.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -85,51 +88,58 @@ class Outcomes:
 
 
 class Judge:
-    """Runs mutants of one room in its scratch copy, with a time limit from an unchanged run."""
+    """Runs mutants of one room in its scratch copy, with time limits from unchanged runs."""
 
-    def __init__(self, room: Room, scratch: Scratch) -> None:
-        self.room, self.scratch = room, scratch
+    def __init__(self, room: Room, scratch: Scratch, near: int = 0) -> None:
+        self.room, self.scratch, self.near = room, scratch, near
         for file in room.files(scratch.tree, room.sources):
             file.touch()  # an earlier run may have left products of a mutant
-        for command in (room.build, room.test):
-            passed, needed_s = scratch.run(command, LIMIT_S)
-            if not passed:
-                last = "\n".join(scratch.log.read_text(errors="replace").splitlines()[-20:])
-                raise NoResultError(f"{room.name}, nothing changed: {command} fails\n{last}")
-        self.limit_s = 30 + 5 * needed_s
+        self._unchanged_s(room.build)
+        self._limits_s: dict[str, float] = {}
+
+    def _unchanged_s(self, command: str) -> float:
+        passed, needed_s = self.scratch.run(command, LIMIT_S)
+        if not passed:
+            last = "\n".join(self.scratch.log.read_text(errors="replace").splitlines()[-20:])
+            raise NoResultError(f"{self.room.name}, nothing changed: {command} fails\n{last}")
+        return needed_s
 
     def outcome(self, mutant: Mutant) -> str:
         """Of one mutant; the file is as before afterwards."""
         file = self.scratch.tree / mutant.file
+        test = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
+        if test not in self._limits_s:
+            self._limits_s[test] = 30 + 5 * self._unchanged_s(test)
         source = file.read_text(encoding="utf-8")
         file.write_text(mutant.applied(source), encoding="utf-8")
         try:
             if not self.scratch.run(self.room.build, LIMIT_S)[0]:
                 return "refused"
-            passed, _ = self.scratch.run(self.room.test, self.limit_s)
+            passed, _ = self.scratch.run(test, self._limits_s[test])
             return "survived" if passed else "killed"
         finally:
             file.write_text(source, encoding="utf-8")
 
 
-def judged(room: Room, sample: int, seed: int, end: float) -> Iterator[tuple[Mutant, str]]:
+def judged(
+    room: Room, sample: int, seed: int, end: float, near: int = 0
+) -> Iterator[tuple[Mutant, str]]:
     """The first mutants in the seed's order that a compiler takes, each with its outcome."""
     outcomes, found = Outcomes(room), 0
     waiting = ranked(room.mutants(ROOT), seed)
-    with Scratch(room.name) as scratch:
+    with ExitStack() as stack:
         judge = None
         for mutant in waiting:
             outcome = outcomes.of(mutant)
             if outcome is None:
                 if time.monotonic() > end:
                     return
-                judge = judge or Judge(room, scratch)
-                start = time.monotonic()
+                judge = judge or Judge(room, stack.enter_context(Scratch(room.name)), near)
                 outcome = judge.outcome(mutant)
-                outcomes.keep(mutant, outcome)
-                place = f"{mutant.line}: {mutant.key}"
-                took_s = time.monotonic() - start
-                print(f"{room.name} {found + 1}/{sample} {outcome} {took_s:.0f} s {place}",
+                if outcome != "survived" or not near:
+                    outcomes.keep(mutant, outcome)
+                place = f"{mutant.line}: {mutant.key} ({judge.scratch.said()})"
+                print(f"{room.name} {found + 1}/{sample} {outcome} {place}",
                       file=sys.stderr, flush=True)  # fmt: skip
             if outcome != "refused":
                 found += 1
@@ -139,11 +149,11 @@ def judged(room: Room, sample: int, seed: int, end: float) -> Iterator[tuple[Mut
 
 
 def measure(
-    name: str, sample: int = SAMPLE, seed: int = SEED, minutes: float = MINUTES
+    name: str, sample: int = SAMPLE, seed: int = SEED, minutes: float = MINUTES, near: int = 0
 ) -> tuple[Row, list[str]]:
     """The room's row, which is also written, and its survivors without a verdict."""
     reviewed = verdicts()
-    results = list(judged(ROOMS[name], sample, seed, time.monotonic() + 60 * minutes))
+    results = list(judged(ROOMS[name], sample, seed, time.monotonic() + 60 * minutes, near))
     survivors = [mutant.key for mutant, outcome in results if outcome == "survived"]
     known = {key: reviewed[key] for key in survivors if key in reviewed}
     equivalent = [key for key, entry in known.items() if entry["verdict"] == "equivalent"]
@@ -200,12 +210,13 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--sample", type=int, default=SAMPLE)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--minutes", type=float, default=MINUTES, help="for each room")
+    parser.add_argument("--near", type=int, default=0, help="files of tests; 0: all of the room")
     chosen = parser.parse_args(arguments)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)  # the scratch copy is removed
     wrong = False
     for name in chosen.rooms or ROOMS:
-        row, new = measure(name, chosen.sample, chosen.seed, chosen.minutes)
+        row, new = measure(name, chosen.sample, chosen.seed, chosen.minutes, chosen.near)
         wrong = wrong or bool(new) or score([row]) < GOAL_ROOM
         print(f"{name}: {row['killed']} of {row['sampled']} killed, {row['equivalent']} equivalent")
         print("".join(f"  no verdict: {key}\n" for key in new), end="")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,11 @@ class Copy:
 
     def __init__(self, tree: Path) -> None:
         self.tree, self.log, self.runs = tree, tree / "log", 0
+        self.commands: list[str] = []
+
+    def said(self) -> str:
+        """Of the last run."""
+        return ""
 
     def __enter__(self) -> Copy:
         return self
@@ -76,6 +82,7 @@ class Copy:
     def run(self, command: str, limit_s: float) -> tuple[bool, float]:
         """As the text of the source says."""
         self.runs += 1
+        self.commands.append(command)
         text = (self.tree / "src" / "a.py").read_text()
         if command == "build":
             return "9 + 8" in text, 1.0
@@ -116,12 +123,33 @@ def test_a_campaign_goes_on_and_judges_survivors_again_when_tests_changed(
     ]
 
 
+def test_near_tests_kill_and_what_survives_them_is_judged_again(
+    room: Room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file that names what the source defines comes first; 0 means all tests of the room."""
+    (tmp_path / "src" / "a.py").write_text("noticed = 1\nrefused = 9 + 8\n\n\ndef rare(): ...\n")
+    for name, text in (("x", "common"), ("y", "rare()"), ("z", "common")):
+        (tmp_path / "tests" / f"test_{name}.py").write_text(f"{text}\n")
+    near = replace(room, test_files="test --files")
+    command = near.tests_near(tmp_path, "src/a.py", 1)
+    assert command == f"test --files {tmp_path / 'tests' / 'test_y.py'}"
+    assert near.tests_near(tmp_path, "src/a.py", 0) == room.tests_near(tmp_path, "src/a.py", 1)
+    copy = Copy(tmp_path)
+    monkeypatch.setattr(campaign, "Scratch", lambda _name: copy)
+    first = dict(judged(near, 60, 1, float("inf"), near=1))
+    assert set(copy.commands) == {"build", command}
+    kept = Outcomes(near)
+    assert [kept.of(mutant) for mutant in first] == [
+        None if outcome == "survived" else outcome for outcome in first.values()
+    ]
+
+
 def test_a_room_whose_tests_fail_unchanged_is_not_judged(room: Room, tmp_path: Path) -> None:
     """The command and its last lines are named."""
     (tmp_path / "src" / "a.py").write_text("noticed = 7\nrefused = 9 + 8\n")
     (tmp_path / "log").write_text("1 failed\n")
     with pytest.raises(Exception, match="made, nothing changed: test fails\n1 failed"):
-        Judge(room, Copy(tmp_path))  # type: ignore[arg-type]
+        Judge(room, Copy(tmp_path)).outcome(room.mutants(tmp_path)[0])  # type: ignore[arg-type]
 
 
 def test_the_score_leaves_equivalent_mutants_out() -> None:
@@ -139,8 +167,15 @@ def test_a_command_in_the_scratch_copy_writes_nowhere_else_and_ends_in_time() ->
     """Not into the tree, and no child survives the time limit."""
     mark = ROOT / "build" / "written-by-a-mutant"
     with Scratch("test") as scratch:
+        # The grader's sandbox hands on no PYTHONPATH, and sees no other tree.
+        found = f"import ravenbrick; assert ravenbrick.__file__.startswith('{scratch.tree}')"
+        assert scratch.run(f'env -u PYTHONPATH .venv/bin/python -c "{found}"', 60)[0]
+        assert not scratch.run("touch .venv/bin/python", 60)[0]
         assert scratch.run("touch README.md", 60)[0]
+        passed, needed_s = scratch.run("! for n in {1..200000}; do :; done", 60)
+        assert not passed and 0.01 < needed_s < 60
         assert not scratch.run(f"touch {mark}", 60)[0]
-        passed, needed_s = scratch.run("setsid sleep 1000 & sleep 1000", 1)
-        assert not passed and needed_s < 60
+        passed, needed_s = scratch.run("setsid sleep 1000 & sleep 1000", 0.1)
+        assert not passed and needed_s < 60 and "not ended in time" in scratch.said()
+        assert not scratch.run("while :; do :; done", 1)[0]
     assert not mark.exists() and not scratch.tree.exists()

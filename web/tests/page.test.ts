@@ -143,6 +143,13 @@ describe("a frame", () => {
     expect(get("#battery-voltage").textContent).toBe("7.90 V");
   });
 
+  it("tells where the vehicle is, and where it looks to", () => {
+    app.receive({ ...READY, channels: { ...READY.channels, signals: ["body.x"] } });
+    const signals = { "body.x": 1, "body.y": -0.5, "body.heading": Math.PI / 2 };
+    app.receive({ ...FRAME, signals });
+    expect(get("#pose").textContent).toBe("x 1.00 m, y -0.50 m, 90°");
+  });
+
   it("shows a missed deadline in the table of tasks", () => {
     app.receive(FRAME);
     const row = get('[data-task="control_task"]');

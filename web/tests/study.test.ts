@@ -5,9 +5,9 @@ import { describe, expect, it } from "vitest";
 import { cyclesOfMs } from "../src/clock";
 import type { Measured } from "../src/protocol";
 import type { Session } from "../src/session";
-import { ticks } from "../src/study/chart";
+import { Chart, ticks } from "../src/study/chart";
 import { blockAt } from "../src/study/code";
-import { meanDifference, valueAt } from "../src/study/sketch";
+import { meanDifference, Sketch, valueAt } from "../src/study/sketch";
 import { WRITTEN_MS } from "../src/study/tuning";
 import { app, FRAME, get, inputs, READY, sent } from "./page";
 
@@ -114,5 +114,47 @@ describe("the code", () => {
 
   it("has round numbers on the axes of its plots", () => {
     expect(ticks({ lowest: 0, highest: 0.8, unit: "s" })).toEqual([0, 0.2, 0.4, 0.6, 0.8]);
+  });
+});
+
+describe("a chart", () => {
+  it("draws what lies within its axes, both ends too, and knows where a pointer is", () => {
+    const chart = new Chart();
+    const points: [number, number][] = [[-0.1, 1], [0, 0], [0.5, 5], [1, 20], [1.1, 3]];
+    const [x, y] = [{ lowest: 0, highest: 1, unit: "s" }, { lowest: 0, highest: 10, unit: "V" }];
+    chart.draw("a step", x, y, [{ name: "step", kind: "measured", points }]);
+    const line = chart.element.querySelector("polyline");
+    // 576 by 244 from (56, 26) on; a value above the axis is at its end.
+    expect(line?.getAttribute("points")).toBe("56.0,270.0 344.0,148.0 632.0,26.0");
+    expect(chart.at({ clientX: 344, clientY: 148 })).toEqual([0.5, 5]);
+    expect(chart.at({ clientX: 0, clientY: 300 })).toEqual([0, 0]);
+  });
+});
+
+describe("a sketch", () => {
+  it("takes points at other times, replaces those of its time, and stays when it is fixed", () => {
+    let fixed = 0;
+    const question = { text: "Which speed?", signal: "motor.B.angular_velocity", unit: "rad/s" };
+    const range = { from_ms: 0, until_ms: 1000, lowest: 0, highest: 10 };
+    const sketch = new Sketch({ ...question, ...range }, () => (fixed += 1));
+    const fields = sketch.element.querySelectorAll("input");
+    const add = (...point: [number, number]) => {
+      fields.forEach((field, at) => (field.value = String(point[at])));
+      sketch.element.querySelector("form")?.dispatchEvent(new Event("submit"));
+    };
+    const points = () => [...sketch.element.querySelectorAll("li")].map((li) => li.textContent);
+    const press = (name: string) =>
+      [...sketch.element.querySelectorAll("button")].find((b) => b.textContent === name)?.click();
+    press("Fix my sketch");
+    expect(sketch.element.textContent).toContain("no point yet");
+    [[0.6, 2], [0.5, 1], [0.5, 3]].forEach(([time, value]) => add(time ?? 0, value ?? 0));
+    expect(points()).toEqual(["0.500 s: 3.00 rad/s×", "0.600 s: 2.00 rad/s×"]);
+    press("×");
+    press("Fix my sketch");
+    add(0.7, 9);
+    expect([points(), fixed]).toEqual([["0.600 s: 2.00 rad/s"], 1]);
+    const rows = Float64Array.of(0, 5, cyclesOfMs(500), 5, cyclesOfMs(1000), 5);
+    sketch.show({ ...MEASURED, signals: { [question.signal]: rows } });
+    expect(sketch.element.textContent).toContain("Mean difference: 3.00 rad/s.");
   });
 });

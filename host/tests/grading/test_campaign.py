@@ -88,6 +88,7 @@ def test_a_killed_campaign_goes_on_with_nothing_lost_and_nothing_left(tmp_path: 
     with subprocess.Popen([*command, "--secret", "x", "--workers", "2"]) as process:
         end = time.monotonic() + LONGEST_S
         while not list(results.glob("*.json")) and time.monotonic() < end:
+            assert process.poll() is None, "the campaign ended without a result"
             time.sleep(0.02)
         process.send_signal(signal.SIGKILL)
     kept = {file.name: file.stat().st_mtime_ns for file in results.glob("*.json")}

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import control
 import numpy as np
 import pytest
@@ -31,6 +33,13 @@ def test_a_loop_in_matrices_is_the_loop_of_transfer_functions() -> None:
     wanted = step_metrics(loop.closed_loop(gains.controller()))
     assert own.settling_time == pytest.approx(wanted.settling_time, abs=1e-9)
     assert own.overshoot == pytest.approx(wanted.overshoot, abs=1e-9)
+
+
+def test_systems_are_compared_as_objects() -> None:
+    """Matrices are neither equal nor unequal as a whole; a system can be a key."""
+    system = LinearSystem.of(control.drss(2, 1, 1))
+    twin = replace(system)
+    assert system == system and system != twin and len({system, twin}) == 2
 
 
 @pytest.mark.parametrize("method", IntegrationMethod)

@@ -11,7 +11,19 @@ import numpy as np
 import pytest
 
 from ravenbrick.control import DiscretePi, pi_diagram
-from ravenbrick.model import NXT_MOTOR, Diagram, IntegrationMethod, vehicle_plant
+from ravenbrick.model import (
+    NXT_MOTOR,
+    DataType,
+    Diagram,
+    Gain,
+    Inport,
+    IntegrationMethod,
+    Integrator,
+    Outport,
+    UnitDelay,
+    vehicle_plant,
+)
+from ravenbrick.model.picture.graph import graph_of
 from ravenbrick.model.picture.layers import Box, Line
 from ravenbrick.model.picture.layout import Layout, laid_out
 from ravenbrick.model.picture.svg import diagram_svg
@@ -57,6 +69,7 @@ def test_boxes_and_lines_of_different_outputs_do_not_lie_on_each_other(seed: int
     }
     for (_, one), (_, two) in combinations(areas.items(), 2):
         assert not (overlap(one[0], two[0]) > 0 and overlap(one[1], two[1]) > 0)
+    assert min(begin for area in areas.values() for begin, _ in area) >= 0
     pieces = segments(layout)
     for _, begin, end in pieces:
         assert begin[0] == pytest.approx(end[0]) or begin[1] == pytest.approx(end[1], abs=0.6)
@@ -100,6 +113,37 @@ def test_the_picture_names_blocks_ports_parameters_and_rates() -> None:
     ]
     assert sorted(blocks) == sorted(block.name for block in PI.blocks)
     assert PI._repr_svg_() == diagram_svg(PI)
+
+
+def test_the_symbol_of_a_gain_lies_within_its_triangle() -> None:
+    """A long one too: the triangle is as high as a letter where it ends."""
+    diagram = Diagram("scaled", 0.01)
+    chain = (Inport("u"), Gain("Scale", gain=-1234567.0), Outport("y"))
+    diagram.connect_chain(*(diagram.add(block) for block in chain))
+    tree = ElementTree.fromstring(diagram_svg(diagram))
+    group = next(g for g in tree.iter(f"{SVG}g") if g.get("data-blocks") == "Scale")
+    shape = next(path.get("d", "") for path in group.iter(f"{SVG}path"))
+    width, middle = (float(number) for number in shape.split()[1].strip("L").split(","))
+    text = next(text for text in group.iter(f"{SVG}text") if text.get("class") is None)
+    half = 6.6 * len(text.text or "") / 2
+    begin, end = float(text.get("x", "")) - half, float(text.get("x", "")) + half
+    assert half > 20 and begin >= 0 and 2 * middle * (1 - end / width) >= 9
+
+
+def test_what_follows_from_a_continuous_state_is_continuous_up_to_a_memory() -> None:
+    """A block without memory has the rate of what it reads."""
+    diagram = Diagram("mixed", 0.01)
+    real = DataType.REAL64
+    chain = (
+        Inport("u", data_type=real), Integrator("State"),
+        Gain("Behind", gain=2.0, data_type=real), UnitDelay("Memory", data_type=real),
+        Gain("Sampled", gain=2.0, data_type=real), Outport("y", data_type=real),
+    )  # fmt: skip
+    diagram.connect_chain(*(diagram.add(block) for block in chain))
+    rates = {node.name: node.rate for node in graph_of(diagram).nodes.values()}
+    assert rates == {
+        "u": None, "State": None, "Behind": None, "Memory": 0.01, "Sampled": 0.01, "y": None,
+    }  # fmt: skip
 
 
 def test_each_subsystem_has_its_own_drawing() -> None:

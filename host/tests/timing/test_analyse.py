@@ -422,7 +422,9 @@ def test_a_worst_case_search_and_a_long_run_find_no_response_above_its_bound(
     analysis: Analysis, robot: Robot, scenario: Scenario, image: ElfImage, recording: Recording
 ) -> None:
     short = replace(scenario, duration_ms=1_300, pictures_ms=())
-    found = search_worst_case(robot, short, image, variants=3)
+    shares: list[float] = []
+    found = search_worst_case(robot, short, image, variants=3, progress=shares.append)
+    assert 0 < shares[0] < shares[2] and shares == sorted(shares) and shares[-1] <= 1
     assert set(found.worst) >= {"coprocessor_task", "control_task"}
     gained = {n: s.response_cycles - found.unvaried[n] for n, s in found.worst.items()}
     assert min(gained.values()) >= 0 and max(gained.values()) > 0, gained

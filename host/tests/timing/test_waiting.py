@@ -99,6 +99,8 @@ def test_a_wait_inside_is_charged_and_blocks_once_more(analysis: Analysis) -> No
     scheduled = {task.name: task for task in analysis.task_set.tasks}
     assert scheduled["server"].wcet == server.job.cycles + server.suspension_cycles
     assert scheduled["server"].blocking == 2 * server.blocking.cycles
+    inside = [name for name in scheduled if name.startswith("alarm inside")]
+    assert inside == ["alarm inside server"]
     assert scheduled["alarm inside server"].wcet >= analysis.overheads.alarm
 
 
