@@ -119,6 +119,15 @@ def _calibrated(variant: Variant) -> dict[str, float]:
     return {"rest_counts": count, "offset_deg_s": round(gyro.value - count, 1)}
 
 
+def _counted(variant: Variant) -> dict[str, float]:
+    """Sheet 14: a change is half a degree, and at most one may come between two looks."""
+    n = variant.numbers
+    return {
+        "fastest_polled_deg_s": float(f"{500 / n['polling_period_ms']:.3g}"),
+        "drill_interval_us": float(f"{500_000 / n['drill_deg_s']:.3g}"),
+    }
+
+
 def _scheduled(variant: Variant) -> dict[str, float]:
     """The task sets of sheet 20 with the own numbers, analysed as its steps do."""
     numbers, written = variant.numbers, files_of(OVERLOAD)
@@ -153,6 +162,7 @@ SHEETS: Mapping[str, Callable[[Variant], dict[str, float]]] = {
     "lab-04": _designed,
     "lab-06": _timed,
     "lab-10": _calibrated,
+    "lab-14": _counted,
     "lab-20": _scheduled,
 }
 

@@ -9,7 +9,7 @@ import pytest
 from verification.course.class_variants import measure
 
 
-@pytest.mark.parametrize("sheet", ["lab-04", "lab-06", "lab-10", "lab-20"])
+@pytest.mark.parametrize("sheet", ["lab-04", "lab-06", "lab-10", "lab-14", "lab-20"])
 def test_own_hand_ins_pass_and_copied_ones_do_not(sheet: str) -> None:
     """Eight students, each under every other name."""
     measured = measure(sheet, 8)

@@ -107,10 +107,11 @@ def levels() -> str:
     phase = np.where(levels[TACHO], 1 + levels[DIRECTION], 3 * levels[DIRECTION])
     moved = (np.diff(phase, prepend=0) + 1) % 4 - 1
     since = _milliseconds(recording, instants)
-    count.step(since, np.cumsum(moved), where="post", color=SERIES[2])
+    counted = np.concatenate(([0], np.cumsum(moved)))
+    count.step(np.concatenate(([0.0], since)), counted, where="post", color=SERIES[2])
     lines.set(ylabel="level", yticks=(0, 1, 1.5, 2.5), yticklabels=("0", "1", "0", "1"))
     lines.set(ylim=(-0.2, 3.4))
-    count.set(xlabel="time (ms)", ylabel="count", xlim=(0, 200), ylim=(-1, 9))
+    count.set(xlabel="time (ms)", ylabel="count", xlim=(0, 200), ylim=(-0.5, 6.9))
     legend(lines, "upper right", columns=2)
     return picture(figure)
 
@@ -135,7 +136,7 @@ def aliasing() -> str:
     figure, (axes,) = new_figure(7.0, 3.2)
     exact = np.linspace(0, 9, 361)
     axes.plot(exact, exact, color="0.5", linestyle=":", label="true")
-    axes.plot(exact, _apparent(exact), color=SERIES[0], label="by the table of phases")
+    axes.plot(exact, _apparent(exact), color=SERIES[0], label="formula (1)")
     turned, counted = [], []
     for torque in 0.004 + 0.01 * np.arange(0.3, 8.9, 0.43):
         recording = _run(POLLED, -float(torque), turning_ms=1_400)
@@ -202,7 +203,7 @@ def held() -> str:
     least, most = (_lost(round_(masked / interval).astype(int)) for round_ in (np.floor, np.ceil))
     bounds = FAST_JOBS * least, FAST_JOBS * most
     axes.fill_between(
-        masked, *bounds, color=SERIES[0], alpha=0.2, step="mid", linewidth=0, label="by the table"
+        masked, *bounds, color=SERIES[0], alpha=0.2, step="mid", linewidth=0, label="possible"
     )
     axes.plot(longest, lost, "o", color=SERIES[1], label="virtual brick")
     axes.axvline(interval, color="black", linestyle=":", label=f"interval, {interval} cycles")

@@ -86,9 +86,13 @@ def layout() -> str:
     figure, (axes,) = new_figure(7.0, 2.0)
     versions = ((SHARED, "filter_settings", "C"), (PACKED, "filters__settings", "packed"))
     for row, (version, name, _) in enumerate(versions):
-        for (part, offset, size), colour in zip(
-            _layout(_image(version), name), SERIES, strict=False
-        ):
+        parts = _layout(_image(version), name)
+        ends = [offset + size for _, offset, size in parts]
+        gaps = [(end, part[1] - end) for end, part in zip(ends, parts[1:], strict=False)]
+        for begin, length in filter(lambda gap: gap[1], gaps):
+            axes.broken_barh([(begin, length)], (0.7 - row, 0.6), color="0.88", edgecolor="white")
+            axes.text(begin + length / 2, 1 - row, "padding", ha="center", va="center", size=8)
+        for (part, offset, size), colour in zip(parts, SERIES, strict=False):
             axes.broken_barh([(offset, size)], (0.7 - row, 0.6), color=colour, edgecolor="white")
             axes.text(
                 offset + size / 2, 1 - row, part, ha="center", va="center", color="white", size=8
@@ -111,7 +115,7 @@ def cost() -> str:
     axes.bar_label(bars, padding=4)
     axes.set_yticks(range(len(versions)), list(versions.values()))
     axes.invert_yaxis()
-    axes.set(xlabel="bound of one call (cycles)")
+    axes.set(xlabel="bound of one call (cycles)", xlim=(0, 1.15 * max(bounds)))
     return picture(figure)
 
 
@@ -132,7 +136,7 @@ def state() -> str:
         last = run("blank", "press", _edits(version)).screens[-1].text
         for side, name in enumerate(("left", "right")):
             values = _outputs((100.0, 0.0), 20, shared)[side]
-            label = f"{name}, {'one state' if shared else 'own state'}"
+            label = f"{name}, {'shared state' if shared else 'own state'}"
             axes.plot(values, dash, color=SERIES[side], label=label)
             shown = next(line for line in last if line.startswith(name))
             axes.plot(20.3, float(shown.split()[-1]), "o", color=SERIES[side])
@@ -143,6 +147,8 @@ def state() -> str:
 
 def digits() -> str:
     """Distance at which the filter in whole numbers stops, over its digits behind the point."""
+    from matplotlib.ticker import FixedLocator, NullFormatter  # slow to load
+
     figure, (axes,) = new_figure(7.0, 2.8)
     places = range(11)
     distances = []
@@ -153,5 +159,8 @@ def digits() -> str:
         distances.append((scaled - held) / (1 << place))
     axes.semilogy(places, distances, "o-", color=SERIES[0])
     axes.axhline(0.1, color="black", linestyle=":")
-    axes.set(xlabel="digits behind the point", ylabel="distance from 100")
+    axes.set(xlabel="binary digits behind the point", ylabel="distance from 100", xticks=places)
+    axes.yaxis.set_major_locator(FixedLocator((0.01, 0.03, 0.1, 0.3, 1, 3)))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
     return picture(figure)
