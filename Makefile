@@ -47,7 +47,8 @@ demo: setup ## Design, build and run the paper's vehicle; writes out/vehicle/rep
 	@.venv/bin/ravenbrick demo examples/vehicle
 
 # One more than there are processors: tests also wait, for links and for clocks.
-TOGETHER = $(MAKE) --no-print-directory --jobs=$(shell expr $$(nproc) + 1) --keep-going --output-sync
+JOBS = $(shell expr $$(nproc) + 1)
+TOGETHER = $(MAKE) --no-print-directory --jobs=$(JOBS) --keep-going --output-sync
 
 .PHONY: test
 test: develop ## Run all tests

@@ -144,3 +144,9 @@ def test_a_model_runs_with_the_gains_that_its_program_computes(tmp_path: Path) -
     assert done.exit_code == 0, done.output
     (signal,) = json.loads(done.output)["signals"]
     assert signal["values"][-1] == pytest.approx(1 - 3 * math.exp(-2), abs=1e-4)
+
+
+def test_a_system_that_grows_without_end_is_not_computed(tmp_path: Path) -> None:
+    """A power, or squares of squares, would take hours."""
+    found = read(tmp_path, "G = tf(1, [1 1]); H = G^100000;" + "G = G*G;" * 40 + "k = G.Ts;")
+    assert "H.Ts" not in found and "k" not in found

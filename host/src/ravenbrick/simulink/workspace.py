@@ -68,8 +68,7 @@ def assignments(text: str, folder: Path, found: Workspace) -> None:
         try:
             systems.assign(names, _without_object(match[3]))
         except ValueError:
-            for name in names:
-                found.pop(name, None)
+            systems.forget(names)
 
 
 def _without_object(text: str) -> str:

@@ -22,7 +22,9 @@ Results = tuple[Any, ...]
 _METHODS = ("zoh", "foh", "tustin", "matched")
 _TEXT = re.compile(r"""["'](\w+)["']""")
 _BRACES = re.compile(r"(\.(?:[nN]um|[dD]en|Numerator|Denominator))\{[1:](?:,[1:])?\}")
-_MOST_STATES = 200
+_MOST_STATES, _GREATEST_POWER = 200, 20
+_PARTS = (("num", "Num", "Numerator"), ("den", "Den", "Denominator"))
+_FIELDS = ("Ts", *"ABCDabcd", *_PARTS[0], *_PARTS[1])
 _OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
 }  # fmt: skip
@@ -30,6 +32,17 @@ _OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
 
 def _is_system(value: Any) -> bool:
     return not isinstance(value, np.ndarray | str)
+
+
+def _of_bounded_size(value: Any) -> Any:
+    """A system or matrices of which a design takes no long time."""
+    if isinstance(value, control.TransferFunction):
+        size = max(np.size(one) for row in (*value.num, *value.den) for one in row)
+    else:
+        size = value.nstates if _is_system(value) else len(value)
+    if size > _MOST_STATES:
+        raise ValueError(f"a design with more than {_MOST_STATES} states")
+    return value
 
 
 def _number(value: Any) -> float:
@@ -127,18 +140,23 @@ class Systems:
         values = self._value(text)
         if len(values) < len(names):
             raise ValueError(f"{len(names)} results of an expression that has {len(values)}")
+        self.forget(names)
         for name, value in zip(names, values, strict=False):
-            self._known.pop(name, None)
             if name == "~":
                 continue
             if _is_system(value):
                 self._known[name] = value
-                self._found.pop(name, None)
                 self._found.update(_fields(name, value))
             elif isinstance(value, np.ndarray) and not np.any(np.imag(value)):
                 self._found[name] = np.atleast_2d(np.real(value)).astype(float)
-            else:  # text, or complex poles
-                self._found.pop(name, None)
+
+    def forget(self, names: list[str]) -> None:
+        """These names have no value, and systems of these names no fields."""
+        for name in names:
+            self._found.pop(name, None)
+            if self._known.pop(name, None) is not None:
+                for field in _FIELDS:
+                    self._found.pop(f"{name}.{field}", None)
 
     def _value(self, text: str) -> Results:
         """All results of an expression."""
@@ -169,9 +187,7 @@ class Systems:
             case Apply(name=name, arguments=arguments) if (
                 name in _FUNCTIONS and name not in dict.keys(self._found)
             ):
-                given = [self._results(one)[0] for one in arguments]
-                if any(len(one) > _MOST_STATES for one in given if isinstance(one, np.ndarray)):
-                    raise ValueError(f"a design with more than {_MOST_STATES} states")
+                given = (_of_bounded_size(self._results(one)[0]) for one in arguments)
                 return _FUNCTIONS[name](*given)
             case Infix(operator=sign, left=left, right=right):
                 return (_combined(sign, self._results(left)[0], self._results(right)[0]),)
@@ -187,7 +203,10 @@ def _combined(sign: str, left: Any, right: Any) -> Any:
     """Systems in series, in parallel or as a power; otherwise numbers."""
     if not _is_system(left) and not _is_system(right):
         return evaluate(Infix(sign, Name("left"), Name("right")), {"left": left, "right": right})
+    left, right = _of_bounded_size(left), _of_bounded_size(right)
     if sign == "^":
+        if abs(_number(right)) > _GREATEST_POWER:
+            raise ValueError(f"a system to a power above {_GREATEST_POWER}")
         return left ** round(_number(right))
     if sign not in _OPERATORS:
         raise ValueError(f"'{sign}' of a system")
@@ -197,13 +216,11 @@ def _combined(sign: str, left: Any, right: Any) -> Any:
 def _fields(name: str, system: Any) -> dict[str, np.ndarray]:
     """What a program may read of a system."""
     rate = float(system.dt) if control.isdtime(system, strict=True) else 0.0
-    found = {f"{name}.Ts": np.array([[rate]])}
+    found = {"Ts": np.array([[rate]])}
     if isinstance(system, control.TransferFunction):
-        rows = _polynomials(system)
-        for words, row in zip((("num", "Num", "Numerator"), ("den", "Den", "Denominator")), rows,
-                              strict=True):  # fmt: skip
-            found |= {f"{name}.{word}": row for word in words}
-        return found
-    for word, matrix in zip("ABCD", _matrices(system), strict=True):
-        found[f"{name}.{word}"] = found[f"{name}.{word.lower()}"] = matrix
-    return found
+        for words, row in zip(_PARTS, _polynomials(system), strict=True):
+            found |= dict.fromkeys(words, row)
+    else:
+        for letter, matrix in zip("ABCD", _matrices(system), strict=True):
+            found |= dict.fromkeys((letter, letter.lower()), matrix)
+    return {f"{name}.{field}": value for field, value in found.items()}
