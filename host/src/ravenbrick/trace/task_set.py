@@ -27,12 +27,12 @@ def _sets_up(recording: Recording) -> bool:
 
 
 def _observed_period_us(recording: Recording, thread: int) -> float | None:
-    """In the run's last quarter, or by the last releases: a task may begin by setting up."""
+    """In the run's last quarter if it has enough releases: a task may begin by setting up."""
     releases = [job.release_cycles for job in jobs_of(recording, thread)][1:]
     if _sets_up(recording) or len(releases) < LEAST_INTERVALS:
         return None
     late = [release for release in releases if 4 * release >= 3 * recording.stop.at_cycles]
-    judged = late if len(late) >= LEAST_INTERVALS else releases[-LEAST_INTERVALS:]
+    judged = late if len(late) >= LEAST_INTERVALS else releases
     return 1e6 * float(np.median(np.diff(judged))) / float(recording.clock.hertz)
 
 
@@ -55,7 +55,7 @@ def check_release(robot: Robot, recording: Recording, name: str) -> None:
     thread = recording.thread_index(name)
     period = _observed_period_us(recording, thread)
     if period is not None and abs(period - task.period_us) > PERIOD_TOLERANCE_US:
-        raise _differs(robot, index, "period_us", task.period_us, round(period))
+        raise _differs(robot, index, "period_us", task.period_us, round(period, 3))
     check_shortest_interval(robot, recording, task.name)
 
 
