@@ -222,6 +222,20 @@ def test_a_run_of_the_page_is_replayed_to_its_end(project: Path, tmp_path: Path)
     assert call("run", project, "drive", "--replay", file)[1]["same_as_replayed"] is True
 
 
+def test_a_run_that_the_reader_stopped_early_tells_nothing_of_periods(
+    project: Path, tmp_path: Path
+) -> None:
+    """A task may set up with other waits by then; in a whole run the period is compared."""
+    robot = project / "robot.toml"
+    robot.write_text(robot.read_text().replace("period_us = 4_000", "period_us = 5_000"))
+    file = run_file(project, tmp_path / "stopped.json", until_ms=200, inputs=[])
+    code, answer = call("run", project, "drive", "--replay", file)
+    assert code == ExitCode.OK, answer
+    file = run_file(project, tmp_path / "whole.json")
+    code, answer = call("run", project, "drive", "--replay", file)
+    assert code == ExitCode.PROJECT_FILE and "period_us: is 5000" in answer["error"]
+
+
 def test_inputs_of_the_page_are_a_stimulus(project: Path, tmp_path: Path) -> None:
     """They come besides those of the scenario."""
     turn = {"name": "motor.A.hand_angle"}

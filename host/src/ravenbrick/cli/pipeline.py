@@ -111,10 +111,13 @@ def keep_peer(peer: PeerRun | None) -> Recording | None:
     return peer.recording
 
 
-def read_run(robot: Robot, scenario: Scenario, recording: Recording) -> Run:
-    """Measure a recording; raises `RunFaultError`, `ScenarioError`, `ProjectFileError`."""
+def read_run(robot: Robot, scenario: Scenario, recording: Recording, *, whole: bool = True) -> Run:
+    """Measure a recording, not `whole` if it ends before its scenario does.
+
+    Raises `RunFaultError`, `ScenarioError`, `ProjectFileError`.
+    """
     check_survival(scenario, recording)
-    check_task_set(robot, recording)
+    check_task_set(robot, recording, whole=whole)
     measures = measure_run(robot, scenario, recording)
     criteria = evaluate_criteria(scenario, measures)
     return Run(robot, scenario, recording, measures, criteria)

@@ -239,7 +239,7 @@ def run_command(
     workspace = Workspace.of(directory)
     robot = read_robot(directory)
     chosen = read_scenario(scenario_path(directory, scenario), robot)
-    replay = replay and workspace.named_recording(replay)
+    replay, scenario_ms = replay and workspace.named_recording(replay), chosen.duration_ms
     chosen, original = _with_inputs(chosen, robot, expect or [], stimulus or [], replay)
     target = VirtualTarget(
         callback=_callback(callback, callback_period_ms, replay),
@@ -256,7 +256,7 @@ def run_command(
     with reporter.step(f"run '{chosen.name}'") as step:
         recording, peer = target.run_with_peer(robot, chosen, loaded, step.progress)
         recording.save(kept)
-        run = read_run(robot, chosen, recording)
+        run = read_run(robot, chosen, recording, whole=chosen.duration_ms >= scenario_ms)
         stop = recording.stop
         words = f": {stop.message}" if stop.message else ""
         step.note = f"{recording.clock.seconds(stop.at_cycles):.3f} s on the brick{words}"
