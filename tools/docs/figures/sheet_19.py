@@ -126,5 +126,6 @@ def intervals() -> str:
         axis.set(ylabel=f"{name.replace('_', ' ')} ({unit})")
         axis.set_xticks(list(places + 0.1), [str(hold) for hold in HOLDS_MS])
     axes[-1].set(xlabel="time that a set-point is held (ms)")
-    legend(axes[-1], "upper left")
+    axes[0].margins(y=0.3)
+    legend(axes[0], "upper right", columns=2)
     return picture(figure)

@@ -35,7 +35,6 @@ from ravenbrick.model import (
     UnitDelay,
     state_space_block,
 )
-from scipy.linalg import solve_discrete_are
 
 __all__ = ["ARM", "CONTROLLERS", "DrivenController"]
 
@@ -71,9 +70,7 @@ def mixed_rates() -> Diagram:
     """A Kalman filter and a speed loop at 5 ms; a table and a state machine at 20 ms."""
     fast, slow = 0.005, 0.02
     a, c = np.array([[1.0, fast], [0.0, 1.0]]), np.array([[1.0, 0.0]])
-    noise, measured = np.diag([1e-2, 4e3]), np.array([[0.3]])
-    p = solve_discrete_are(a.T, c.T, noise, measured)
-    gain = a @ p @ c.T @ np.linalg.inv(c @ p @ c.T + measured)
+    gain = kalman(control.ss(a, np.zeros((2, 1)), c, 0, fast), [1e-2, 4e3], [0.3]).gain
     speed = control.ss(a - gain @ c, gain, [[0.0, 1.0]], [[0.0]], fast)
     machine = StateMachine(
         "Mode", sample_time=slow,

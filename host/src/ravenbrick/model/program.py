@@ -47,6 +47,7 @@ __all__ = [
     "expressions",
     "is_fixed_point",
     "is_wide",
+    "limits_as_choices",
     "mapped",
     "nodes",
     "read_elsewhere",
@@ -438,17 +439,19 @@ def expression_type(expression: Expression) -> NumberFormat:
             return expression_type(expression.value)
 
 
-def as_choices(given: Table | Clamp) -> Expression:
-    """The same lines as a table, chosen by comparisons; the last goes on. Or the same limits."""
-    form = expression_type(given)
-    if isinstance(given, Clamp):
-        value, high = given.value, given.limit
-        low: Expression = Binary("-", Literal(0, form), high)
-        if isinstance(high, Literal):
-            low = Literal(-high.value, high.data_type)
-        below = Select(Comparison("<", value, low), low, value)
-        return Select(Comparison(">", value, high), high, below)
-    table = given
+def limits_as_choices(clamp: Clamp) -> Expression:
+    """The same limits, chosen by comparisons."""
+    value, high = clamp.value, clamp.limit
+    low: Expression = Binary("-", Literal(0, expression_type(clamp)), high)
+    if isinstance(high, Literal):
+        low = Literal(-high.value, high.data_type)
+    below = Select(Comparison("<", value, low), low, value)
+    return Select(Comparison(">", value, high), high, below)
+
+
+def as_choices(table: Table) -> Expression:
+    """The same lines as a table, chosen by comparisons; the last goes on."""
+    form = expression_type(table)
 
     def line(index: int) -> Expression:
         point, level = table.breakpoints[index], Literal(table.values[index], form)

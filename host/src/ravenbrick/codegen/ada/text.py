@@ -184,7 +184,7 @@ class AdaText:
             case ir.Rescale():
                 return self._rescale(expression)
             case ir.Clamp():
-                return self.expression(ir.as_choices(expression), nested=nested)
+                return self.expression(ir.limits_as_choices(expression), nested=nested)
             case ir.Bounded():
                 raise DesignError("a bound inside an expression cannot become Ada")
         return f"({text})" if nested else text

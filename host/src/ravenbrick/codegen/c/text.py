@@ -169,7 +169,7 @@ def _c_expression(program: ir.Program, expression: ir.Expression, *, nested: boo
         case ir.Rescale(value=value, bits=bits):
             text = f"{_c_expression(program, value, nested=True)} / {1 << bits}"
         case ir.Clamp():
-            return _c_expression(program, ir.as_choices(expression), nested=nested)
+            return _c_expression(program, ir.limits_as_choices(expression), nested=nested)
         case ir.Bounded():
             raise DesignError("a bound inside an expression cannot become C; give it its own block")
     return f"({text})" if nested else text

@@ -99,13 +99,13 @@ def _matrices(system: Any) -> Results:
 
 
 def _regulator(*given: Any) -> Results:
-    discrete = _is_system(given[0]) and control.isdtime(given[0], strict=True)
-    solve = control.dlqr if discrete else control.lqr
-    return tuple(solve(*(one for one in given if np.size(one))))
+    if _is_system(given[0]) and control.isdtime(given[0], strict=True):
+        return _discrete_regulator(*given)
+    return tuple(control.lqr(*filter(np.size, given)))
 
 
 def _discrete_regulator(*given: Any) -> Results:
-    return tuple(control.dlqr(*(one for one in given if np.size(one))))
+    return tuple(control.dlqr(*filter(np.size, given)))
 
 
 def _placed(solve: str) -> Callable[..., Results]:
