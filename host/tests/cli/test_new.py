@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,8 @@ from typing import Any
 import pytest
 
 from ravenbrick.errors import UsageError
+from ravenbrick.image.build_settings import Settings
+from ravenbrick.image.design_script import design_is_due, run_design
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.templates import TEMPLATES, create_project
@@ -57,6 +60,24 @@ def test_what_exists_is_never_touched(kind: str, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="exists already"):
         create_project(there, "blank")
     assert there.read_text() == "mine" if kind == "file" else not any(there.iterdir())
+
+
+def test_a_project_made_anew_is_designed_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where one of this name was, with the same design.py, and its products are there."""
+    monkeypatch.setenv("RAVENBRICK_BUILD", str(tmp_path / "products"))
+    for _ in range(2):
+        workspace = create_project(tmp_path / "robot", "motor")
+        script = workspace.project / "design.py"
+        script.write_text("import sys\n")
+        later_s = script.stat().st_mtime + 60
+        os.utime(script, (later_s, later_s))
+        settings = Settings.of(read_robot(workspace.project))
+        assert design_is_due(workspace, settings)
+        run_design(workspace)
+        assert not design_is_due(workspace, settings)
+        shutil.rmtree(workspace.project)
 
 
 @pytest.mark.parametrize("name", ["My Robot", "9lives", "robot!"])

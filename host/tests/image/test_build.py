@@ -222,20 +222,6 @@ def test_design_runs_once_and_when_it_has_changed(workspace: Workspace, robot: R
     assert made.read_text() == "two"
 
 
-def test_design_runs_again_where_a_file_that_it_made_is_gone(
-    workspace: Workspace, robot: Robot
-) -> None:
-    """A project made anew has the controller of its template, and the results of the one before."""
-    folder = workspace.project / "generated"
-    line = "Path('generated/{0}').write_text('/* {0} */')\n"
-    text = DESIGN + line.format("one.c") + line.format("two.c")
-    (workspace.project / "design.py").write_text(text)
-    build_image(workspace, robot, "ram")
-    (folder / "two.c").unlink()
-    build_image(workspace, robot, "ram")
-    assert sorted(file.name for file in folder.glob("*.c")) == ["one.c", "two.c"]
-
-
 def test_a_design_that_fails_names_its_line(workspace: Workspace, robot: Robot) -> None:
     """And the exception; nothing is built."""
     (workspace.project / "design.py").write_text("x = 1\n\ny = x / 0\n")

@@ -22,7 +22,6 @@ from ravenbrick.subprocesses import run_child
 __all__ = ["DESIGN_SCRIPT", "design_is_due", "run_design"]
 
 DESIGN_SCRIPT = "design.py"
-RECORD = "designed.json"
 # Files that were copied together are no older than one another.
 COPIED_TOGETHER_NS = 2_000_000_000
 _FRAME = re.compile(r'^ *File "(.+)", line (\d+)', re.MULTILINE)
@@ -44,23 +43,17 @@ def _digest(script: Path) -> str:
     return "".join(file_digest(file) for file in _inputs(script))
 
 
-def _made(folder: Path) -> list[Path]:
-    return [file for pattern in ("*.c", "*.ad[bs]") for file in folder.glob(pattern)]
-
-
 def design_is_due(workspace: Workspace, settings: Settings) -> bool:
     """Whether the controller in generated/ is one of design.py and older than what that reads."""
     script, folder = workspace.project / DESIGN_SCRIPT, workspace.project / "generated"
     if not script.is_file() or settings.generated != folder or read_origin(folder) is not None:
         return False
-    made = _made(folder)
+    made = [file for pattern in ("*.c", "*.ad[bs]") for file in folder.glob(pattern)]
     if not made:
         return True
-    record = workspace.design_file.with_name(RECORD)
     try:
-        known = json.loads(record.read_text("utf-8"))
-        missing = set(known["made"]) - {file.name for file in made}
-        return bool(missing or known["script"] != _digest(script))
+        record = json.loads(workspace.design_record.read_text("utf-8"))
+        return bool(record["script"] != _digest(script))
     except (OSError, ValueError, KeyError, TypeError):
         newest = max(file.stat().st_mtime_ns for file in made)
         changed = max(file.stat().st_mtime_ns for file in _inputs(script))
@@ -72,10 +65,8 @@ def design_is_due(workspace: Workspace, settings: Settings) -> bool:
 
 def remember_design(workspace: Workspace, digest: str) -> None:
     """Record that the controller in generated/ is of the inputs with this digest."""
-    names = sorted(file.name for file in _made(workspace.project / "generated"))
     with suppress(OSError):
-        record = workspace.design_file.with_name(RECORD)
-        atomic_write(record, json.dumps({"script": digest, "made": names}) + "\n")
+        atomic_write(workspace.design_record, json.dumps({"script": digest}) + "\n")
 
 
 def run_design(workspace: Workspace) -> None:

@@ -90,6 +90,11 @@ class Workspace:
         """What design.py leaves for the plots."""
         return self.products / self.project.name / "design.json"
 
+    @property
+    def design_record(self) -> Path:
+        """Of what the controller in generated/ was designed last."""
+        return self.design_file.with_name("designed.json")
+
     def build(self, kind: BuildKind) -> Path:
         """Folder of the build products of one kind of image."""
         return self.products / self.project.name / kind

@@ -9,6 +9,7 @@ import re
 import shutil
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -158,4 +159,8 @@ def create_from(
     except OSError:
         shutil.rmtree(project, ignore_errors=True)
         raise
-    return Workspace.of(project)
+    workspace = Workspace.of(project)
+    # A project of this name that was here before may have been designed; this one was not.
+    with suppress(OSError):
+        workspace.design_record.unlink()
+    return workspace
