@@ -3,7 +3,16 @@
 /** Gains, predictions, code and share links on the page, with the vehicle's step response. */
 import type { Page } from "playwright-core";
 import { describe, expect } from "vitest";
-import { build, screenshot, test, VEHICLE, violations, waitForText, waitUntil } from "./harness";
+import {
+  build,
+  ravenbrick,
+  screenshot,
+  test,
+  VEHICLE,
+  violations,
+  waitForText,
+  waitUntil,
+} from "./harness";
 
 const KP = 'input[data-tunable="functional_P.Kp"]';
 const KP_NOW = '[aria-label="Kp in the program"]';
@@ -95,6 +104,7 @@ describe("the panels of a lab", () => {
   });
 
   test("diagram, C and Ada show the line of the controller", async ({ open, view }) => {
+    await ravenbrick("design", VEHICLE);
     const { page } = await open(await view(await build(VEHICLE), "step"), { colorScheme: "dark" });
     await runTo(page, 1.1);
     do {

@@ -130,6 +130,16 @@ def test_a_folder_for_any_web_server_has_page_session_and_image(
     assert call("view", project, "--out", folder)[0] == ExitCode.USAGE
 
 
+def test_what_the_page_lacks_is_named_with_its_command(project: Path, tmp_path: Path) -> None:
+    """A fresh clone has the generated C, and neither design.json nor timing.json."""
+    (project / "design.py").touch()
+    image = Workspace.of(project).image("ram", "vehicle")
+    words = ["view", project, "--elf", image, "--out", tmp_path / "there"]
+    said = CliRunner().invoke(app, [str(word) for word in words]).stdout
+    assert "no response-time bounds; run 'ravenbrick analyse'" in said
+    assert "no diagram, no designed response; run 'ravenbrick design'" in said
+
+
 def timing_file(project: Path, **changes: Any) -> Path:
     """Bounds as `ravenbrick analyse` writes them, where it writes them."""
     image = read_image(Workspace.of(project).image("ram", "vehicle"))

@@ -20,6 +20,7 @@ from ravenbrick.cli.build import ElfOption, ImageChoice, ImageOption
 from ravenbrick.cli.console import Reporter
 from ravenbrick.cli.pipeline import project_image, scenario_or_none
 from ravenbrick.errors import DesignError, UsageError
+from ravenbrick.image.design_script import DESIGN_SCRIPT
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.run_time import run_time_home
 from ravenbrick.image.source_texts import source_texts
@@ -42,6 +43,7 @@ __all__ = [
 PAGE = Path(__file__).resolve().parents[1] / "page.zip"
 SESSION, IMAGE, BOUNDS = "session.json", "image.elf", "timing.json"
 SOURCES, DESIGN, WORST_PATHS = "sources.json", "design.json", "worst_paths.json"
+NO_DESIGN = b"{}"
 
 
 def page_files() -> dict[str, bytes]:
@@ -112,7 +114,7 @@ def _design(workspace: Workspace) -> bytes:
     try:
         design = read_design(workspace.design_file)
     except DesignError:
-        return b"{}"
+        return NO_DESIGN
     responses = {"continuous": design.continuous, "sampled": design.sampled}
     drawn = {name: _response(response) for name, response in responses.items()}
     return json.dumps({"responses": drawn, "diagram": design.diagram}).encode()
@@ -154,6 +156,10 @@ def view_command(
         # Another program has other variables: those of the project that it has are recorded.
         session["probes"] = [p for p in session["probes"] if p["symbol"] in loaded.symbols]
     served = page_files() | project_files(workspace, session, loaded)
+    if not proven:
+        reporter.print("no response-time bounds; run 'ravenbrick analyse' to compute them")
+    if served[DESIGN] == NO_DESIGN and (directory / DESIGN_SCRIPT).is_file():
+        reporter.print("no diagram, no designed response; run 'ravenbrick design' to compute them")
     if out is not None:
         written = _write(served, out)
         reporter.print(f"{out}: the page; put it on any web server, or open its index.html")
@@ -162,8 +168,6 @@ def view_command(
     with page_server(served, port, token) as server:
         address = f"http://{LOOPBACK}:{server.server_port}/{token}/"
         reporter.tell(f"the brick is at {address}; Ctrl-C ends it")
-        if not proven:
-            reporter.print("no response-time bounds; run 'ravenbrick analyse' to compute them")
         if browser:
             webbrowser.open(address)
         server.serve_forever(poll_interval=0.1)
