@@ -118,9 +118,10 @@ interface Fixtures {
   studio: (project: string) => Promise<string>;
   /** What `ravenbrick analyse` found for the vehicle. */
   bounds: AnalysedTask[];
-  /** Address of the vehicle with the scenario `drive`, and with none. */
+  /** Address of the vehicle with the scenario `drive`, with none, and designed, with `step`. */
   drive: string;
   free: string;
+  step: string;
   /** A page that has loaded its brick. Its test fails if it leaves an error in the console. */
   open: Open;
 }
@@ -170,6 +171,13 @@ export const test = base.extend<Fixtures>({
   // The server shows the bounds that the analysis leaves.
   drive: [async ({ bounds: _known, view }, use) => use(await view(VEHICLE, "drive")), forAllTests],
   free: [async ({ view }, use) => use(await view(await build(VEHICLE))), forAllTests],
+  step: [
+    async ({ view }, use) => {
+      await ravenbrick("design", VEHICLE);
+      await use(await view(await build(VEHICLE), "step"));
+    },
+    forAllTests,
+  ],
   open: async ({ browser }, use) => {
     const all: Opened[] = [];
     await use(async (address, options = {}, prepare = () => Promise.resolve()) => {

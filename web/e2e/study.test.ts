@@ -3,16 +3,7 @@
 /** Gains, predictions, code and share links on the page, with the vehicle's step response. */
 import type { Page } from "playwright-core";
 import { describe, expect } from "vitest";
-import {
-  build,
-  ravenbrick,
-  screenshot,
-  test,
-  VEHICLE,
-  violations,
-  waitForText,
-  waitUntil,
-} from "./harness";
+import { screenshot, test, VEHICLE, violations, waitForText, waitUntil } from "./harness";
 
 const KP = 'input[data-tunable="functional_P.Kp"]';
 const KP_NOW = '[aria-label="Kp in the program"]';
@@ -44,8 +35,7 @@ async function share(page: Page): Promise<string> {
 }
 
 describe("the panels of a lab", () => {
-  test("a gain changed during the run replays from a short link", async ({ open, view }) => {
-    const step = await view(await build(VEHICLE), "step");
+  test("a gain changed during the run replays from a short link", async ({ open, step, view }) => {
     const { page, context } = await open(step);
     expect(await page.textContent(KP_NOW)).toBe("0.3144 V/V");
     await runTo(page, 0.5);
@@ -67,9 +57,9 @@ describe("the panels of a lab", () => {
 
   test("a gain is kept when the run begins again, and forgotten by Reset", async ({
     open,
-    view,
+    step,
   }) => {
-    const { page } = await open(await view(await build(VEHICLE), "step"));
+    const { page } = await open(step);
     await page.fill('[aria-label="Kp (V/V), as a number"]', "0.9");
     await page.keyboard.press("Enter");
     await page.click("#tuning-again");
@@ -79,8 +69,8 @@ describe("the panels of a lab", () => {
     await waitForText(page, KP_NOW, "0.3144 V/V");
   });
 
-  test("a sketch by keyboard and pointer is compared with the run", async ({ open, view }) => {
-    const { page } = await open(await view(await build(VEHICLE), "step"));
+  test("a sketch by keyboard and pointer is compared with the run", async ({ open, step }) => {
+    const { page } = await open(step);
     const sketch = page.locator("#prediction fieldset", { hasText: "left wheel" });
     for (const [at, value] of [
       ["0.95", "0"],
@@ -103,9 +93,8 @@ describe("the panels of a lab", () => {
     await screenshot(page, "10-study");
   });
 
-  test("diagram, C and Ada show the line of the controller", async ({ open, view }) => {
-    await ravenbrick("design", VEHICLE);
-    const { page } = await open(await view(await build(VEHICLE), "step"), { colorScheme: "dark" });
+  test("diagram, C and Ada show the line of the controller", async ({ open, step }) => {
+    const { page } = await open(step, { colorScheme: "dark" });
     await runTo(page, 1.1);
     do {
       await nextLine(page);
@@ -119,8 +108,8 @@ describe("the panels of a lab", () => {
     await page.locator("#code").screenshot({ path: "../out/page/11-code.png" });
   });
 
-  test("the checks are judged in the tab as ravenbrick run judges them", async ({ open, view }) => {
-    const { page } = await open(await view(await build(VEHICLE), "step"));
+  test("the checks are judged in the tab as ravenbrick run judges them", async ({ open, step }) => {
+    const { page } = await open(step);
     await page.fill("#prediction input", "0.3");
     await page.click("#prediction button");
     await runTo(page, 4.1);
