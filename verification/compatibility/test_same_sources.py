@@ -42,14 +42,17 @@ SOURCES = {
     "GNAT topdog 378385": "9a7ae70:Lab2_part3",
     "GNAT topdog 9adf04": "bdfccfd:Lab2_part4",
     "GNAT topdog 3d48d6": "a5c54d8:Lab2_part4",
+    "GNAT topdog 472c1c": "f883c0a:Lab2_part4",
     "GNAT topdog 64f7d2": "d28f01a:Lab2_part4",
     "GNAT topdog 2edde5": "ed6d5fc:Lab2_part4",
 }
 LEFT_OUT = {
     "GNAT event_program 45f77d": "the sources beside this binary do not compile: no operand",
-    "GNAT topdog 472c1c": "drives on for 2.4 s when the way is free, ours 0.2 s: not explained; the"
-    " program reads a command and writes its duration back in two protected actions",
 }
+# GNAT's link queues the changes of motors and sends one with each frame. This program makes more
+# changes than there are frames: it drives on for 2.5 s after 4 s of driving. It is compared when
+# the queue is empty, in each second phase of a distance.
+QUEUED = "GNAT topdog 472c1c"
 # In phases of 0.7 s three programs change at other instants, though to the same duties.
 PHASE_S = 2.0
 NEED_THUMB = ("GNAT schedule_program 24ad2c", "GNAT line_follower 6d5acb")
@@ -103,4 +106,5 @@ def test_motors_get_the_duty_of_our_build_of_the_same_sources(name: str, tmp_pat
         expected = usual_duties(gnat_brick(name), name)
     except ImageAbsentError as error:
         pytest.skip(str(error))
-    assert usual_duties(rebuilt(name, tmp_path), name) == expected
+    compared = slice(1, None, 2) if name == QUEUED else slice(None)
+    assert usual_duties(rebuilt(name, tmp_path), name)[compared] == expected[compared]
