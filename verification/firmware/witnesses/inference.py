@@ -126,7 +126,7 @@ def _judge(task: tuple[int, dict[str, Value]]) -> str | None:
 
 
 def _combinations(table: Row) -> list[dict[str, Value]]:
-    """Every set of values to try: nominal, one parameter at a time, then the picture's."""
+    """Every set of values to try: profiles, one parameter at a time, then the picture's."""
     single = [
         {parameter["name"]: value}
         for parameter in table["parameter"]
@@ -136,19 +136,19 @@ def _combinations(table: Row) -> list[dict[str, Value]]:
     pairs = [
         {picture["x"]: x, picture["y"]: y} for x in picture["x_values"] for y in picture["y_values"]
     ]
-    profiles: list[dict[str, Value]] = [{"profile": name} for name in table["profiles"]]
-    return [*profiles, *single, *pairs]
+    return [*table["profiles"], *single, *pairs]
 
 
 def search(workers: int) -> list[Row]:
     """A row for each set of values: the constraints that refuse it, with the reason."""
     table = tomllib.loads(TABLE.read_text(encoding="utf-8"))
-    sets, left_out = _combinations(table), table["picture"]["without"]
+    sets, picture = _combinations(table), table["picture"]
     tasks = [
         (index, settings)
         for settings in sets
         for index, constraint in enumerate(CONSTRAINTS)
-        if len(settings) == 1 or constraint.name not in left_out
+        if list(settings) != [picture["x"], picture["y"]]
+        or constraint.name not in picture["without"]
     ]
     with ProcessPoolExecutor(workers) as pool:
         answers = list(pool.map(_judge, tasks, chunksize=4))
