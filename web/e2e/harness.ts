@@ -33,6 +33,8 @@ export async function ravenbrick(...words: string[]): Promise<Record<string, unk
 export interface Served {
   address: string;
   end: () => void;
+  /** What it has said on its standard output when it is over. */
+  ended: Promise<string>;
 }
 
 /** `ravenbrick view` or `studio` for a project. */
@@ -51,20 +53,30 @@ export async function startedIn(
     cwd,
     env: { ...process.env, PYTHONUNBUFFERED: "1", COLUMNS: "200" },
   });
+  const ended = new Promise<string>((over) => {
+    let answer = "";
+    server.stdout.on("data", (bytes: Buffer) => (answer += bytes.toString()));
+    server.on("close", () => over(answer));
+  });
   const address = await new Promise<string>((found, failed) => {
     let said = "";
+    const late = setTimeout(() => {
+      failed(new Error(`no address within ${TIMEOUT_MS / 1000} s: ${said}`));
+      server.kill();
+    }, TIMEOUT_MS).unref();
     const listen = (bytes: Buffer) => {
       said += bytes.toString();
       const match = /http:\/\/127\.0\.0\.1:\d+\/([\w-]+\/)?(?![\w-]|$)/.exec(said);
-      if (match) found(match[0]);
+      if (!match) return;
+      clearTimeout(late);
+      found(match[0]);
     };
     server.stdout.on("data", listen);
     server.stderr.on("data", listen);
-    setTimeout(() => failed(new Error(`no address within a minute: ${said}`)), 60_000).unref();
     const over = (code: number | null) => `${program} ${words[0]} ended with ${code}: ${said}`;
     server.on("exit", (code) => failed(new Error(over(code))));
   });
-  return { address, end: () => server.kill("SIGINT") };
+  return { address, end: () => server.kill("SIGINT"), ended };
 }
 
 async function launch(): Promise<Browser> {

@@ -4,13 +4,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
+import pytest
 from verification.support.codegen.c_build import run
 from verification.support.needed_tools import NEEDS_TOOLCHAIN
 
 from ravenbrick.codegen.c.declarations import NUMBERS, read_declarations
 from ravenbrick.codegen.c.rtwtypes import RTWTYPES
+from ravenbrick.errors import DesignError
 
 pytestmark = NEEDS_TOOLCHAIN
 HEADER = """\
@@ -25,6 +28,21 @@ struct Whole_ {
   long last;
   char end;
 };
+"""
+LISTS = """\
+typedef double Real, *Place;
+struct Lists_ {
+  double P, I; /* gains, V */
+  char flag, rows[3], *text, table[2][3];
+  short low, /* of the range, mm */
+    high; /* end, m */
+  struct { char odd; double wide; } pair, pairs[2];
+  Real *first, last;
+  Place places[2];
+  char end;
+};
+extern struct Lists_ left, *right;
+float start = 1.0F, lines[2] = {1.0F, 2.0F}, stop;
 """
 
 
@@ -42,22 +60,68 @@ def asserted(condition: str) -> str:
     return f'_Static_assert({condition}, "{condition}");'
 
 
+def placed_as_compiled(folder: Path, text: str, name: str, paths: list[str]) -> None:
+    """The structure has these numbers and pointers, where the compiler puts them."""
+    found = read_declarations({"header.h": text})
+    structure = found.structure(name)
+    assert structure is not None
+    leaves = {leaf.path: leaf.offset_bytes for leaf in found.leaves(structure)}
+    assert list(leaves) == paths
+    checks = [asserted(f"offsetof(struct {name}, {p}) == {at}") for p, at in leaves.items()]
+    size, alignment = found.extent(structure)
+    checks += [asserted(f"sizeof(struct {name}) == {size}")]
+    checks += [asserted(f"_Alignof(struct {name}) == {alignment}")]
+    compiled(folder, text, *checks)
+
+
 def test_every_name_of_a_number_has_its_size(tmp_path: Path) -> None:
     compiled(tmp_path, *(asserted(f"sizeof({name}) == {size}") for name, size in NUMBERS.items()))
 
 
 def test_fields_lie_where_the_compiler_puts_them(tmp_path: Path) -> None:
     """Nested and nameless structures, a union, arrays, pointers, and what is left at the end."""
-    found = read_declarations({"whole.h": HEADER})
-    whole = found.structure("Whole_")
-    assert whole is not None
-    leaves = {leaf.path: leaf.offset_bytes for leaf in found.leaves(whole)}
-    assert list(leaves) == [
+    placed_as_compiled(tmp_path, HEADER, "Whole_", [
         "on", "counts", "gains.first", "gains.P", "gains.I", "inner.odd", "inner.wide", "shared",
         "both.large", "both.small", "last", "end",
+    ])  # fmt: skip
+
+
+def test_several_names_of_one_declaration_are_fields_and_variables_each(tmp_path: Path) -> None:
+    """A pointer's star and an array's length belong to one name, a comment to those before it."""
+    placed_as_compiled(tmp_path, LISTS, "Lists_", [
+        "P", "I", "flag", "rows", "text", "table", "low", "high", "pair.odd", "pair.wide",
+        "first", "last", "places", "end",
+    ])  # fmt: skip
+    found = read_declarations({"lists.h": LISTS})
+    lists = found.structure("Lists_")
+    assert lists is not None
+    assert [(m.name, m.pointer, m.count) for m in lists.members][2:6] == [
+        ("flag", False, 1), ("rows", False, 3), ("text", True, 1), ("table", False, 6),
     ]  # fmt: skip
-    checks = [asserted(f"offsetof(struct Whole_, {p}) == {at}") for p, at in leaves.items()]
-    size, alignment = found.extent(whole)
-    checks += [asserted(f"sizeof(struct Whole_) == {size}")]
-    checks += [asserted(f"_Alignof(struct Whole_) == {alignment}")]
-    compiled(tmp_path, HEADER, *checks)
+    about = {member.name: member.about for member in lists.members}
+    assert (about["P"], about["I"]) == ("gains, V", "gains, V")
+    assert (about["low"], about["high"]) == ("of the range, mm", "end, m")
+    pointers = {name: (one.type_name, one.pointer) for name, one in found.variables.items()}
+    assert pointers == {
+        "left": ("Lists_", False), "right": ("Lists_", True),
+        "start": ("float", False), "lines": ("float", True), "stop": ("float", False),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("field", "words"),
+    [
+        ("double P, ;", "no name"),
+        ("double P[2 * 3];", "must be a number, not 2 * 3"),
+        ("double P[1, 2], I;", "must be a number, not 1 , 2"),
+        ("double ,;", "no name"),
+    ],
+)
+def test_a_list_that_is_none_is_refused(field: str, words: str) -> None:
+    with pytest.raises(DesignError, match=re.escape(words)):
+        read_declarations({"model.h": f"struct Gains_ {{ {field} }};"})
+
+
+@pytest.mark.parametrize("text", [",x;", "typedef ,x;", "double a,,b;", "double a = {1, ;", ", ,;"])
+def test_a_broken_list_of_variables_is_passed_over(text: str) -> None:
+    assert read_declarations({"model.h": f"{text}\nextern float speed;"}).variables

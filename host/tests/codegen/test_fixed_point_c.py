@@ -26,11 +26,17 @@ from ravenbrick.codegen import (
 )
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
+    Block,
+    Diagram,
     Execution,
     FixedFormat,
     FixedPoint,
     FixedPointOptions,
+    Gain,
+    Inport,
     IntegrationMethod,
+    Outport,
+    Relay,
     Rounding,
     to_fixed_point,
 )
@@ -156,6 +162,26 @@ def test_gappa_proves_the_one_step_bound(name: str) -> None:
     check_with_gappa(gappa_script(fixed, bounds))
     with pytest.raises(DesignError, match="cannot prove"):
         check_with_gappa(gappa_script(fixed, {k: 0.5 * v for k, v in bounds.items()}))
+
+
+def gain_before(last: Block) -> FixedPoint:
+    """A gain, then the block."""
+    diagram = Diagram("chain", 0.01)
+    blocks = Inport("In"), Gain("First", gain=0.75), last, Outport("Out")
+    diagram.connect_chain(*map(diagram.add, blocks))
+    return to_fixed_point(diagram, FixedPointOptions({"In": 4.0}))
+
+
+def test_without_a_bound_there_is_no_script_for_gappa(tmp_path: Path) -> None:
+    """A relay decides: the script of an earlier design goes, and the proof says why."""
+    generate_fixed_c(gain_before(Gain("Last", gain=0.5))).write(tmp_path)
+    assert (tmp_path / "chain.gappa").is_file()
+    fixed = gain_before(Relay("Last", on_above=0.5, off_below=-0.5))
+    generate_fixed_c(fixed).write(tmp_path)
+    assert not (tmp_path / "chain.gappa").exists()
+    assert "there is no goal for Gappa" in (tmp_path / "chain_proof.txt").read_text()
+    with pytest.raises(DesignError, match="'chain': no outport has a bound"):
+        gappa_script(fixed, {})
 
 
 def test_the_proof_lies_beside_the_c(tmp_path: Path) -> None:

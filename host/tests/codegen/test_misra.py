@@ -10,7 +10,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from verification.support.codegen.block_programs import all_models
+from verification.support.codegen.block_programs import all_models, fixed_program
 from verification.support.codegen.misra import (
     controllers,
     cppcheck,
@@ -21,6 +21,7 @@ from verification.support.codegen.misra import (
 )
 
 from ravenbrick.codegen import generate_c
+from ravenbrick.model import Diagram, Gain, Inport, Outport, UnitDelay
 
 FIGURE_5 = Path(__file__).resolve().parents[3] / "examples" / "paper" / "models" / "figure5.slx"
 
@@ -97,6 +98,17 @@ def test_each_form_of_an_entry_point_without_a_c_caller_breaks_a_rule(
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     rules = {line.rpartition("-")[2] for line in done.stderr.splitlines() if "misra" in line}
     assert rules & {"8.4", "8.7"} == found
+
+
+def test_variables_of_one_rate_are_declared_in_its_guard(tmp_path: Path) -> None:
+    """A gain in every fourth step; in fixed point a slow sum before its limits."""
+    cppcheck()
+    slow = Diagram("slow", 0.01)
+    gain = Gain("Half", gain=0.5, sample_time=0.04)
+    level = UnitDelay("Level", sample_time=0.04)
+    slow.connect_chain(*map(slow.add, (Inport("In"), gain, level, Outport("Out"))))
+    write_models({"slow": slow, "average": fixed_program("slow_average")}, tmp_path)
+    assert clean(tmp_path)
 
 
 def test_an_imported_model_has_no_finding(tmp_path: Path) -> None:

@@ -60,6 +60,21 @@ def mixed() -> Diagram:
     return diagram
 
 
+def test_a_variable_of_one_rate_is_declared_inside_its_guard() -> None:
+    """In C at the beginning of the guard's block, in Ada in a block statement of its own."""
+    source = generate_c(mixed()).files["mixed.c"]
+    step = source[source.index("void mixed_step_instance") :]
+    head, guard = step.split("_steps_count <= 0) {\n", 1)
+    assert "real32_T Total" in head
+    assert "real32_T Slow" not in head
+    assert guard.startswith("    real32_T Slow;")
+    body = generate_ada(mixed()).files["mixed.adb"]
+    declared, statements = body.split("procedure Step")[1].split("   begin\n", 1)
+    assert "Total : Float;" in declared
+    assert "Slow : Float;" not in declared
+    assert "declare\n            Slow : Float;\n         begin\n" in statements
+
+
 def test_a_state_machine_is_a_switch_over_named_states() -> None:
     """With an enumeration in the header; in Ada a case statement."""
     files = generate_c(mixed()).files

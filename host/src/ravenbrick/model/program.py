@@ -52,7 +52,6 @@ __all__ = [
     "nodes",
     "read_elsewhere",
     "rebuilt",
-    "restarts_line",
     "statements",
     "with_constants",
 ]
@@ -341,19 +340,6 @@ def _outermost(instructions: Iterable[Instruction]) -> Iterator[Expression]:
             case Case(branches=branches):
                 for branch in branches:
                     yield from _outermost(branch)
-
-
-def restarts_line(instructions: Iterable[Instruction]) -> bool:
-    """Whether a delay line gets its initial values again."""
-    for one in instructions:
-        match one:
-            case Restart(states=states):
-                if any(isinstance(slot, DelayLine) for slot in states):
-                    return True
-            case If(body=body, otherwise=otherwise):
-                if restarts_line((*body, *otherwise)):
-                    return True
-    return False
 
 
 def read_elsewhere(program: Program) -> set[Slot]:

@@ -11,7 +11,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
-from ravenbrick.codegen.c.text import ACCUMULATOR, C_KEYWORDS
+from ravenbrick.codegen.c.text import C_KEYWORDS
+from ravenbrick.codegen.scopes import ACCUMULATOR
 from ravenbrick.model import (
     Block,
     Constant,

@@ -19,6 +19,7 @@ from ravenbrick.codegen.ada.text import (
     wrapped,
 )
 from ravenbrick.codegen.c.generator import GeneratedCode
+from ravenbrick.codegen.scopes import declared_here
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
@@ -113,8 +114,10 @@ class _Package:
         self._fixed = ir.is_fixed_point(program)
         self._ranges = _ranges_in_ada(program) if self._fixed else {}
         self._name = ada_name(program.name)
-        self._text = AdaText(program, self._checked_names())
-        self._body = self._text.instructions(program.statements)[1:]
+        self._kept = ir.read_elsewhere(program)
+        self._text = AdaText(program, self._checked_names(), self._declaration)
+        self._locals, inside = declared_here(program.statements, program.signals)
+        self._body = self._text.instructions(program.statements, inside)[1:]
 
     def _checked_names(self) -> dict[str, str]:
         """Ada name by C name; two that differ by letter case only are refused."""
@@ -150,6 +153,12 @@ class _Package:
             return text
         low, high = (ada_literal(end, form) for end in (proved.low, proved.high))
         return f"{text} range {low} .. {high}"
+
+    def _declaration(self, slot: ir.Slot) -> str:
+        """Of a variable of the step."""
+        kept = slot in self._kept
+        start = f" := {ada_literal(0.0, stored_format(slot))}" if kept else ""
+        return f"{ada_name(slot.name)} : {self._typed(slot)}{start};"
 
     def _record(self, name: str, slots: Sequence[ir.Slot], about: str) -> list[str]:
         lines = [f"   type {name} is record"]
@@ -306,10 +315,9 @@ class _Package:
         lines += ["   end Initialize;", "", *self._step_profile(), "   is"]
         if not program.inputs:
             lines += ["      pragma Unreferenced (Inputs);"]
-        kept = ir.read_elsewhere(program)
-        for slot in program.signals:
-            start = f" := {ada_literal(0.0, stored_format(slot))}" if slot in kept else ""
-            lines += wrapped(f"{ada_name(slot.name)} : {self._typed(slot)}{start};", 6)
+        for slot in self._locals:
+            if isinstance(slot, ir.Slot):
+                lines += wrapped(self._declaration(slot), 6)
         lines.append("   begin")
         for text in self._body:
             inner = text.lstrip()

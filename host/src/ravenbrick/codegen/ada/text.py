@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from ravenbrick.codegen.c.text import SHARED_GUARDS, block_title, c_literal, line_index
+from ravenbrick.codegen.scopes import Local, declared_here
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.linearisation import fraction_of
@@ -114,10 +115,19 @@ def _is_one(expression: ir.Expression) -> bool:
 
 
 class AdaText:
-    """Statements of one program; `formats` collects the fixed-point types that they need."""
+    """Statements of one program; `formats` collects the fixed-point types that they need.
 
-    def __init__(self, program: ir.Program, names: Mapping[str, str]) -> None:
+    `declaration` is the text that declares a local variable.
+    """
+
+    def __init__(
+        self,
+        program: ir.Program,
+        names: Mapping[str, str],
+        declaration: Callable[[ir.Slot], str],
+    ) -> None:
         self._names = names
+        self._declaration = declaration
         self.formats: set[FixedFormat] = set()
         slots = (*program.inputs, *program.outputs, *program.parameters, *program.states)
         for slot in (*slots, *program.signals):
@@ -237,11 +247,16 @@ class AdaText:
         return f"{own}'Fixed_Value ({value} / 2 ** {expression.bits})"
 
     def instructions(
-        self, instructions: Sequence[ir.Instruction], *, titled: bool = True
+        self,
+        instructions: Sequence[ir.Instruction],
+        inside: Sequence[Local],
+        *,
+        titled: bool = True,
     ) -> list[str]:
         """Statements that do what the program's do, without indentation.
 
-        If `titled`, a comment names the block of each, after an empty line.
+        `inside` are variables that an inner block declares. If `titled`, a comment names the block
+        of the diagram of each, after an empty line.
         """
         lines: list[str] = []
         for one in instructions:
@@ -253,9 +268,9 @@ class AdaText:
                 case ir.Restart(states=states):
                     lines += [line for slot in states for line in self.initial(slot)]
                 case ir.If():
-                    lines += [*self._if(one, "if"), "end if;"]
+                    lines += [*self._if(one, "if", inside), "end if;"]
                 case ir.Case():
-                    lines += self._case(one)
+                    lines += self._case(one, inside)
         return lines
 
     def initial(self, slot: ir.Slot) -> list[str]:
@@ -266,33 +281,40 @@ class AdaText:
             return [loop, f"   Sample := {value};", "end loop;", f"Work.{oldest(slot)} := 0;"]
         return [f"Work.{name} := {value};"]
 
-    def _if(self, one: ir.If, word: str) -> list[str]:
+    def _if(self, one: ir.If, word: str, inside: Sequence[Local]) -> list[str]:
         """From the word, if or elsif, to the last statement."""
         first, *others = map(self._condition, one.conditions)
         lines = [f"{word} {first}", *(f"  and then {other}" for other in others), "then"]
         if not others and len(first) < _SHORT_CONDITION:
             lines = [f"{word} {first} then"]
-        lines += self._inner(one.body, one)
+        lines += self._inner(one.body, one, inside)
         match one.otherwise:
             case ():
                 return lines
-            case (ir.If() as other,):
-                return [*lines, *self._if(other, "elsif")]
+            case (ir.If() as other,) if not declared_here(one.otherwise, inside)[0]:
+                return [*lines, *self._if(other, "elsif", inside)]
             case _:
-                return [*lines, "else", *self._inner(one.otherwise, one)]
+                return [*lines, "else", *self._inner(one.otherwise, one, inside)]
 
-    def _inner(self, instructions: Sequence[ir.Instruction], one: ir.If) -> list[str]:
+    def _inner(
+        self, instructions: Sequence[ir.Instruction], one: ir.If, given: Sequence[Local]
+    ) -> list[str]:
+        """The statements of one side of a condition, with the variables that only they use."""
         titled = one.block_type in SHARED_GUARDS
-        lines = self.instructions(instructions, titled=titled)
-        return [f"   {line}".rstrip() for line in lines[titled:]]
+        own, inside = declared_here(instructions, given)
+        lines = self.instructions(instructions, inside, titled=titled)[titled:]
+        if own:
+            declared = [self._declaration(slot) for slot in own if isinstance(slot, ir.Slot)]
+            lines = ["declare", *_indented(declared), "begin", *_indented(lines), "end;"]
+        return _indented(lines)
 
-    def _case(self, one: ir.Case) -> list[str]:
+    def _case(self, one: ir.Case, inside: Sequence[Local]) -> list[str]:
         form = one.selector.data_type
         assert isinstance(form, Enumeration)
         lines = [f"case {self.variable(one.selector)} is"]
         for member, branch in zip(form.members, one.branches, strict=True):
             lines.append(f"   when {ada_name(member)} =>")
-            lines += [f"      {line}" for line in self.instructions(branch, titled=False)]
+            lines += _indented(_indented(self.instructions(branch, inside, titled=False)))
         return [*lines, "end case;"]
 
     def _condition(self, test: ir.Comparison) -> str:
@@ -353,6 +375,10 @@ class AdaText:
 
 
 _ACCUMULATOR = "Accumulator"
+
+
+def _indented(lines: Sequence[str]) -> list[str]:
+    return [f"   {line}".rstrip() for line in lines]
 
 
 def _format_of(expression: ir.Read | ir.Literal) -> ir.NumberFormat:

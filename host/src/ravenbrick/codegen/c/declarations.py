@@ -25,6 +25,8 @@ NUMBERS: Mapping[str, int] = {
     **dict.fromkeys(("real_T", "real64_T", "double", "time_T"), 8),
 }
 _POINTER_BYTES = 4
+# What the name of a pointer's type stands for.
+_POINTER = "*"
 _TOKEN = re.compile(
     r"(?P<comment>/\*.*?\*/|//[^\n]*)"
     r"|(?P<directive>^[ \t]*#(?:\\\n|/\*.*?\*/|[^\n])*)"
@@ -32,6 +34,7 @@ _TOKEN = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 _LENGTH_DIGITS = 9
+_OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
 _QUALIFIERS = {"const", "volatile", "static", "register", "extern", "inline", "__inline"}
 
 
@@ -117,7 +120,7 @@ class Declarations:
 
     def _extent(self, member: Member) -> tuple[int, int]:
         """Size and alignment of one element in bytes."""
-        if member.pointer:
+        if member.pointer or self.resolved(member.type_name) == _POINTER:
             return _POINTER_BYTES, _POINTER_BYTES
         inner = member.inner or self.structure(member.type_name)
         if inner is not None:
@@ -221,8 +224,12 @@ class _Reader:
             self._skip_statement()
             return
         words = self._statement()
-        if len(words) >= 2 and "(" not in words:
-            self._found.aliases[words[-1]] = self._type_name(words[:-1])
+        if len(words) < 2 or "(" in words:
+            return
+        for one in _declarations(words):
+            if one and "[" not in one:
+                alias = _POINTER if "*" in one else self._type_name(one[:-1])
+                self._found.aliases[one[-1]] = alias
 
     def _structure(self) -> Structure | None:
         """From the word struct, union or enum to the closing brace."""
@@ -244,28 +251,33 @@ class _Reader:
         return structure
 
     def _member(self, structure: Structure) -> None:
+        """The fields of one declaration, which may have several: `double P, I[2], *next;`."""
         inner = None
         if self._peek() in ("struct", "union") and "{" in (self._peek(1), self._peek(2)):
             inner = self._structure()
-            words = ["", *self._statement()]
-        else:
-            words = self._statement()
-        about = self._comment()
+        words, abouts = self._noted_statement()
         if ":" in words or "(" in words:
             raise DesignError(
                 f"{self._file}: the field '{' '.join(words)}' is a bit field or a function; "
                 "generate the model without them"
             )
-        lengths = tuple(self._length(words, at) for at, w in enumerate(words) if w == "[")
-        words = words[: words.index("[")] if "[" in words else words
-        if not words:
-            raise DesignError(f"{self._file}: a field of a structure has no name")
-        name, pointer = words[-1], "*" in words
-        type_name = "" if inner else self._type_name(words[:-1])
-        structure.members.append(Member(name, type_name, inner, pointer, lengths, about))
+        fields = _declarations(["", *words] if inner else words)
+        for one, about in zip(fields, abouts, strict=False):
+            lengths = tuple(self._length(one, at) for at, word in enumerate(one) if word == "[")
+            plain = _without_lengths(one)
+            if len(plain) < 2 or plain[-1] == "*":
+                raise DesignError(
+                    f"{self._file}: a field of a structure has no name or no type: "
+                    f"'{' '.join(words)}'"
+                )
+            type_name = "" if inner else self._type_name(plain[:-1])
+            structure.members.append(
+                Member(plain[-1], type_name, inner, "*" in plain, lengths, about)
+            )
 
     def _length(self, words: Sequence[str], at: int) -> int:
-        text = "".join(words[at + 1 : at + 2]).rstrip("uUlL")
+        ending = words.index("]", at) if "]" in words[at:] else len(words)
+        text = " ".join(words[at + 1 : ending]).rstrip("uUlL")
         if not text.isdigit() or len(text) > _LENGTH_DIGITS:
             raise DesignError(
                 f"{self._file}: the length of '{words[at - 1]}' must be a number, not {text[:20]}"
@@ -284,17 +296,32 @@ class _Reader:
         self._next()
         return words
 
+    def _noted_statement(self) -> tuple[list[str], list[str]]:
+        """The same, and for each of its parts between commas the comment behind it.
+
+        A part without one has that behind the semicolon.
+        """
+        words: list[str] = []
+        abouts: list[str] = []
+        while self._peek() not in (";", ""):
+            words.append(self._next())
+            abouts += [self._comment()] if words[-1] == "," else []
+        self._next()
+        last = self._comment()
+        return words, [*(about or last for about in abouts), last]
+
     def _skip_statement(self) -> None:
         self._statement()
 
     def _declaration(self) -> None:
-        """A variable or a function; bodies and values are passed over."""
+        """Variables or a function; bodies and values are passed over."""
         words: list[str] = []
-        while self._peek() not in (";", "", "{", "="):
-            words.append(self._next())
-        if self._peek() == "=":
-            self._skip_value()
-        elif self._peek() == "{":
+        while self._peek() not in (";", "", "{"):
+            if self._peek() == "=":
+                self._skip_value()
+            else:
+                words.append(self._next())
+        if self._peek() == "{":
             if words == ["extern", '"C"']:
                 self._next()
                 return
@@ -302,24 +329,13 @@ class _Reader:
         else:
             self._next()
         if "(" in words and words.index("(") >= 2:
-            self._function(words)
+            opening = words.index("(")
+            groups = _between_commas(words[opening + 1 : -1])
+            parameters = [self._parameter(one) for one in groups if one and one != ["void"]]
+            self._found.functions[words[opening - 1]] = tuple(parameters)
         elif len(words) >= 2 and "static" not in words:
-            words = words[: words.index("[", 1)] if "[" in words[1:] else words
-            self._found.variables[words[-1]] = self._parameter(words)
-
-    def _function(self, words: Sequence[str]) -> None:
-        opening = words.index("(")
-        inside: list[str] = []
-        groups: list[list[str]] = []
-        for word in words[opening + 1 : -1]:
-            if word == ",":
-                groups.append(inside)
-                inside = []
-            else:
-                inside.append(word)
-        groups.append(inside)
-        parameters = [self._parameter(group) for group in groups if group and group != ["void"]]
-        self._found.functions[words[opening - 1]] = tuple(parameters)
+            for one in filter(None, _declarations(words)):
+                self._found.variables[_without_lengths(one)[-1]] = self._parameter(one)
 
     def _parameter(self, words: Sequence[str]) -> Parameter:
         plain = [word for word in words if word not in _QUALIFIERS]
@@ -328,12 +344,11 @@ class _Reader:
         return Parameter(self._type_name(plain[:-1]), pointer, plain[-1] if plain else "")
 
     def _skip_value(self) -> None:
-        while self._peek() not in (";", ""):
-            if self._peek() == "{":
-                self._skip_braces()
-            else:
-                self._next()
-        self._next()
+        """To the comma or semicolon behind the value, which stays."""
+        depth = 0
+        while self._peek() not in (";", "") and (depth or self._peek() != ","):
+            word = self._next()
+            depth += (word in _OPENING) - (word in _CLOSING)
 
     def _skip_braces(self) -> None:
         depth = 0
@@ -342,6 +357,31 @@ class _Reader:
             depth += (word == "{") - (word == "}")
             if depth == 0:
                 return
+
+
+def _between_commas(words: Sequence[str]) -> list[list[str]]:
+    """The groups of words that commas outside of brackets part."""
+    groups: list[list[str]] = [[]]
+    depth = 0
+    for word in words:
+        depth += (word in _OPENING) - (word in _CLOSING)
+        if word == "," and not depth:
+            groups.append([])
+        else:
+            groups[-1].append(word)
+    return groups
+
+
+def _without_lengths(words: Sequence[str]) -> list[str]:
+    """The words before the first bracket that follows another word."""
+    return list(words[: words.index("[", 1)] if "[" in words[1:] else words)
+
+
+def _declarations(words: Sequence[str]) -> list[list[str]]:
+    """`double P, *next` as declarations of one name each: `double P` and `double *next`."""
+    first, *others = _between_commas(words)
+    kind = [word for word in _without_lengths(first)[:-1] if word != "*"]
+    return [first, *([*kind, *other] for other in others)]
 
 
 def read_declarations(texts: Mapping[str, str]) -> Declarations:

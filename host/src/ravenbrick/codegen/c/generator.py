@@ -13,24 +13,22 @@ from ravenbrick import __version__
 from ravenbrick.codegen.c.helpers import helper_functions, table_arrays
 from ravenbrick.codegen.c.rtwtypes import RTWTYPES, used_types
 from ravenbrick.codegen.c.text import (
-    ACCUMULATOR,
     C_KEYWORDS,
-    FILL_INDEX,
-    WIDE_ACCUMULATOR,
+    Locals,
     block_title,
+    c_block,
     c_initial,
-    c_instructions,
     c_literal,
-    c_local,
-    c_type,
     line_index,
+    origin,
     type_name,
 )
+from ravenbrick.codegen.scopes import ACCUMULATOR, FILL_INDEX, WIDE_ACCUMULATOR, Local
 from ravenbrick.errors import DesignError
 from ravenbrick.model import Diagram
 from ravenbrick.model import program as ir
 from ravenbrick.model.fidelity import TOLERANCE, check_fidelity
-from ravenbrick.model.number_format import Enumeration, FixedFormat
+from ravenbrick.model.number_format import Enumeration
 
 __all__ = ["GeneratedCode", "generate_c"]
 
@@ -41,14 +39,20 @@ _INTERFACE = "/* cppcheck-suppress misra-c2012-8.7 ; interface, used by the Ada 
 
 @dataclass(frozen=True)
 class GeneratedCode:
-    """File texts by name; `digest` (SHA-256, hex) is that of the diagram they come from."""
+    """File texts by name; `digest` (SHA-256, hex) is that of the diagram they come from.
+
+    `absent` names files of an earlier diagram that this one has not.
+    """
 
     files: Mapping[str, str]
     digest: str
+    absent: tuple[str, ...] = ()
 
     def write(self, folder: Path) -> list[Path]:
-        """Write the files that differ into `folder`; returns the paths of all."""
+        """Write the files that differ into `folder`, without the absent ones; the paths of all."""
         folder.mkdir(parents=True, exist_ok=True)
+        for name in self.absent:
+            (folder / name).unlink(missing_ok=True)
         paths = []
         for name, text in sorted(self.files.items()):
             path = folder / name
@@ -225,7 +229,8 @@ def _source_file(program: ir.Program, *, only_used: bool) -> str:
         lines += [f"  uint32_T {FILL_INDEX};", ""]
     for slot in program.states:
         first, *others = c_initial(program, slot)
-        lines += [f"  {first}{_origin(slot, traced)}", *(f"  {line}" for line in others)]
+        about = origin(slot) if traced else ""
+        lines += [f"  {first}{about}", *(f"  {line}" for line in others)]
     if not program.states:
         lines.append("  work->unused = 0U;")
     lines += ["}", "", *_step(program, traced), ""]
@@ -267,24 +272,6 @@ def _parameters(program: ir.Program, traced: bool) -> list[str]:
     return [*lines, "};", ""]
 
 
-def _origin(slot: ir.Slot, traced: bool) -> str:
-    """A comment with the block that a variable belongs to, and its scaling."""
-    if not traced:
-        return ""
-    scaling = f", {slot.data_type}" if isinstance(slot.data_type, FixedFormat) else ""
-    return f" /* '<Root>/{slot.block}'{scaling} */"
-
-
-def _in_one_condition(program: ir.Program) -> bool:
-    """Whether all limits stand inside one conditional instruction."""
-    places = [
-        one
-        for one in program.statements
-        if any(isinstance(s.expression, ir.Bounded) for s in ir.statements((one,)))
-    ]
-    return len(places) == 1 and not isinstance(places[0], ir.Statement)
-
-
 def _step(program: ir.Program, traced: bool) -> list[str]:
     name = program.name
     lines = [
@@ -294,23 +281,12 @@ def _step(program: ir.Program, traced: bool) -> list[str]:
         "{",
     ]
     lines += table_arrays(program)
-    kept = ir.read_elsewhere(program)
-    for slot in program.signals:
-        kind = c_type(slot) if isinstance(slot.data_type, FixedFormat) else ""
-        kind = kind or type_name(program, slot.data_type)
-        start = f" = {c_literal(0.0, slot.data_type)}" if slot in kept else ""
-        lines.append(f"  {kind} {c_local(slot)}{start};{_origin(slot, traced)}")
-    statements = list(ir.statements(program.statements))
-    bounded = [s.expression for s in statements if isinstance(s.expression, ir.Bounded)]
-    if bounded and _in_one_condition(program):
-        lines.append("  /* cppcheck-suppress variableScope ; declared once for all blocks */")
-    if not all(map(ir.is_wide, bounded)):
-        lines.append(f"  int32_T {ACCUMULATOR};")
-    if any(map(ir.is_wide, bounded)):
-        lines.append(f"  int64_T {WIDE_ACCUMULATOR};")
-    if ir.restarts_line(program.statements):
-        lines.append(f"  uint32_T {FILL_INDEX};")
-    lines += [f"  {line}".rstrip() for line in c_instructions(program, program.statements)]
+    variables: list[Local] = [*program.signals, ACCUMULATOR, WIDE_ACCUMULATOR, FILL_INDEX]
+    block = c_block(
+        program, program.statements, Locals(variables, ir.read_elsewhere(program), traced)
+    )
+    first = lines[-1] == "{" and block[:1] == [""]
+    lines += [f"  {line}".rstrip() for line in block[first:]]
     if not program.states:
         lines += ["", "  (void)work;"]
     if not program.inputs:

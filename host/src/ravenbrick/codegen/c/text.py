@@ -5,29 +5,35 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ravenbrick.codegen.scopes import (
+    ACCUMULATOR,
+    FILL_INDEX,
+    WIDE_ACCUMULATOR,
+    Local,
+    declared_here,
+)
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.number_format import Enumeration, FixedFormat, Rounding
 
 __all__ = [
-    "ACCUMULATOR",
     "C_KEYWORDS",
-    "FILL_INDEX",
     "SHARED_GUARDS",
-    "WIDE_ACCUMULATOR",
+    "Locals",
     "block_title",
+    "c_block",
     "c_initial",
-    "c_instructions",
     "c_literal",
     "c_local",
     "c_type",
     "format_suffix",
     "line_index",
+    "origin",
     "type_name",
 ]
 
@@ -36,13 +42,11 @@ C_KEYWORDS = frozenset(
     inline int long register restrict return short signed sizeof static struct switch typedef
     union unsigned void volatile while""".split()
 )
-ACCUMULATOR = "accumulator"
 # Conditions around the instructions of several blocks.
 SHARED_GUARDS = ("Rate", "Enable")
-FILL_INDEX = "fill_index"
 _ABBREVIATIONS = {"Pid": "PID"}
-WIDE_ACCUMULATOR = "wide_accumulator"
-_STEP_NAMES = C_KEYWORDS | {"work", "u", "y", ACCUMULATOR, WIDE_ACCUMULATOR, FILL_INDEX}
+_TEMPORARY_TYPES = {ACCUMULATOR: "int32_T", WIDE_ACCUMULATOR: "int64_T", FILL_INDEX: "uint32_T"}
+_STEP_NAMES = C_KEYWORDS | {"work", "u", "y", *_TEMPORARY_TYPES}
 
 
 def c_literal(value: float, data_type: ir.NumberFormat) -> str:
@@ -76,6 +80,33 @@ def c_type(slot: ir.Slot) -> str:
 def c_local(slot: ir.Slot) -> str:
     """The name of a local variable; those of the step function itself are kept free."""
     return f"{slot.name}_value" if slot.name in _STEP_NAMES else slot.name
+
+
+def origin(slot: ir.Slot) -> str:
+    """A comment with the block that a variable belongs to, and its scaling."""
+    scaling = f", {slot.data_type}" if isinstance(slot.data_type, FixedFormat) else ""
+    return f" /* '<Root>/{slot.block}'{scaling} */"
+
+
+@dataclass(frozen=True)
+class Locals:
+    """Local variables that a block of the C declares, itself or further inside.
+
+    Those in `kept` start with zero. If `traced`, a comment names the block of each.
+    """
+
+    variables: Sequence[Local]
+    kept: Collection[ir.Slot]
+    traced: bool
+
+    def declaration(self, program: ir.Program, local: Local) -> str:
+        """The line that declares a variable."""
+        if isinstance(local, str):
+            return f"{_TEMPORARY_TYPES[local]} {local};"
+        form = local.data_type
+        kind = c_type(local) if isinstance(form, FixedFormat) else type_name(program, form)
+        start = f" = {c_literal(0.0, form)}" if local in self.kept else ""
+        return f"{kind} {c_local(local)}{start};{origin(local) if self.traced else ''}"
 
 
 def line_index(line: ir.DelayLine) -> str:
@@ -188,18 +219,25 @@ def _c_infix(program: ir.Program, operator: str, left: ir.Expression, right: ir.
     return f"{first} {operator} {second}"
 
 
-def c_instructions(
-    program: ir.Program, instructions: Sequence[ir.Instruction], *, titled: bool = True
+def c_block(
+    program: ir.Program,
+    instructions: Sequence[ir.Instruction],
+    given: Locals,
+    *,
+    titled: bool = True,
 ) -> list[str]:
-    """Lines of C, without indentation, that do what the instructions do.
+    """Lines of C, without indentation: the block's own variables, then what its instructions do.
 
-    If `titled`, a comment names the block of each, after an empty line.
+    If `titled`, a comment names the block of the diagram of each, after an empty line.
     """
-    lines: list[str] = []
+    own, others = declared_here(instructions, given.variables)
+    inside = replace(given, variables=others)
+    lines = [given.declaration(program, local) for local in own]
+    lines += [""] if own and not titled else []
     for one in instructions:
         if titled:
             lines += ["", f"/* {block_title(one)}: '<Root>/{one.block}' */"]
-        lines += _c_instruction(program, one)
+        lines += _c_instruction(program, one, inside)
     return lines
 
 
@@ -213,35 +251,35 @@ def block_title(one: ir.Instruction) -> str:
     return f"Update of {own}"
 
 
-def _c_instruction(program: ir.Program, one: ir.Instruction) -> list[str]:
+def _c_instruction(program: ir.Program, one: ir.Instruction, inside: Locals) -> list[str]:
     match one:
         case ir.Statement():
             return _c_statement(program, one)
         case ir.Restart(states=states):
             return [line for slot in states for line in c_initial(program, slot)]
         case ir.If():
-            return _c_if(program, one)
+            return _c_if(program, one, inside)
         case ir.Case():
-            return _c_switch(program, one)
+            return _c_switch(program, one, inside)
 
 
-def _c_if(program: ir.Program, one: ir.If) -> list[str]:
+def _c_if(program: ir.Program, one: ir.If, inside: Locals) -> list[str]:
     """An if with its else; an else that is an if alone goes on with `else if`."""
     tests = [_c_infix(program, test.operator, test.left, test.right) for test in one.conditions]
     condition = tests[0] if len(tests) == 1 else " && ".join(f"({test})" for test in tests)
     titled = one.block_type in SHARED_GUARDS
-    lines = [f"if ({condition}) {{", *_indented(program, one.body, titled=titled)]
+    lines = [f"if ({condition}) {{", *_indented(program, one.body, inside, titled=titled)]
     match one.otherwise:
         case ():
             return [*lines, "}"]
-        case (ir.If() as other,):
-            head, *rest = _c_if(program, other)
+        case (ir.If() as other,) if not declared_here(one.otherwise, inside.variables)[0]:
+            head, *rest = _c_if(program, other, inside)
             return [*lines, f"}} else {head}", *rest]
         case _:
-            return [*lines, "} else {", *_indented(program, one.otherwise), "}"]
+            return [*lines, "} else {", *_indented(program, one.otherwise, inside), "}"]
 
 
-def _c_switch(program: ir.Program, one: ir.Case) -> list[str]:
+def _c_switch(program: ir.Program, one: ir.Case, inside: Locals) -> list[str]:
     """One clause per member; the last is also the default, which MISRA C wants."""
     form = one.selector.data_type
     assert isinstance(form, Enumeration)
@@ -249,16 +287,20 @@ def _c_switch(program: ir.Program, one: ir.Case) -> list[str]:
     for place, (member, branch) in enumerate(zip(form.members, one.branches, strict=True), 1):
         lines.append(f"  case {program.name}_{member}:")
         lines += ["  default:"] if place == len(one.branches) else []
-        lines += [f"  {line}" for line in _indented(program, branch)]
+        lines += [f"  {line}" for line in _indented(program, branch, inside)]
         lines.append("    break;")
     return [*lines, "}"]
 
 
 def _indented(
-    program: ir.Program, instructions: Sequence[ir.Instruction], *, titled: bool = False
+    program: ir.Program,
+    instructions: Sequence[ir.Instruction],
+    inside: Locals,
+    *,
+    titled: bool = False,
 ) -> list[str]:
-    lines = c_instructions(program, instructions, titled=titled)
-    return [f"  {line}".rstrip() for line in lines[titled:]]
+    lines = c_block(program, instructions, inside, titled=titled)
+    return [f"  {line}".rstrip() for line in lines[lines[:1] == [""] :]]
 
 
 def _c_statement(program: ir.Program, statement: ir.Statement) -> list[str]:

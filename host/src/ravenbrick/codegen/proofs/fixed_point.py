@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ravenbrick import __version__
 from ravenbrick.codegen.c.generator import GeneratedCode, generate_c
 from ravenbrick.codegen.proofs.frama_c import frama_c_goals
-from ravenbrick.codegen.proofs.gappa import gappa_script
+from ravenbrick.codegen.proofs.gappa import NO_GOAL, gappa_script
 from ravenbrick.errors import DesignError
 from ravenbrick.model.fixed_point import FixedPoint
 from ravenbrick.model.number_format import FixedFormat
@@ -160,6 +160,7 @@ class FixedPointProof:
             for slot in self.fixed.program.outputs
             if slot.name not in self.one_step
         ]
+        lines += [] if self.one_step else [f"  {NO_GOAL}"]
         cycles = (
             []
             if self.limit_cycles is None
@@ -223,9 +224,10 @@ def generate_fixed_c(
     only_used: bool = False,
     tunable: bool = True,
 ) -> GeneratedCode:
-    """The integer C with its proof: `<model>_proof.json`, `<model>_proof.txt`, `<model>.gappa`,
+    """The integer C with its proof: `<model>_proof.json`, `<model>_proof.txt`, `<model>.gappa`
 
-    and `<model>_goals.h`, contract and driver for Frama-C (`check_with_frama_c`).
+    if an outport has a bound for the error of one step, and `<model>_goals.h`, contract and driver
+    for Frama-C (`check_with_frama_c`).
 
     `only_used` and `tunable` as in `generate_c`. The proof holds for the parameters' values as
     they are: without `tunable` nobody can set others.
@@ -243,7 +245,9 @@ def generate_fixed_c(
         **code.files,
         f"{name}_proof.json": json.dumps(record, indent=1) + "\n",
         f"{name}_proof.txt": proof.text(),
-        f"{name}.gappa": gappa_script(fixed, proof.one_step),
         f"{name}_goals.h": frama_c_goals(fixed, tunable=tunable),
     }
-    return GeneratedCode(files, code.digest)
+    if proof.one_step:
+        files[f"{name}.gappa"] = gappa_script(fixed, proof.one_step)
+    absent = () if proof.one_step else (f"{name}.gappa",)
+    return GeneratedCode(files, code.digest, absent)

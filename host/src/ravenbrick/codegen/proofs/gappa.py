@@ -16,7 +16,12 @@ from ravenbrick.model.flattening import flattened
 from ravenbrick.model.linearisation import fraction_of
 from ravenbrick.model.number_format import FixedFormat, Rounding
 
-__all__ = ["check_with_gappa", "gappa_script"]
+__all__ = ["NO_GOAL", "check_with_gappa", "gappa_script"]
+
+NO_GOAL = (
+    "no outport has a bound for the error of one step, because a block before it decides or "
+    "rounds; there is no goal for Gappa"
+)
 
 _TIMEOUT_SECONDS = 120
 _DIRECTIONS = {Rounding.ZERO: "zr", Rounding.NEAREST: "nu"}
@@ -26,7 +31,10 @@ def gappa_script(fixed: FixedPoint, bounds: Mapping[str, float]) -> str:
     """Goals |fixed-point - real-number| <= bound for the outports in `bounds`.
 
     Limits are left out on both sides: limiting both values does not let their difference grow.
+    Raises `DesignError` if there is no bound, so nothing to prove.
     """
+    if not bounds:
+        raise DesignError(f"diagram '{fixed.program.name}': {NO_GOAL}")
     return _Script(fixed, bounds).text(bounds)
 
 
@@ -75,8 +83,6 @@ class _Script:
             f"# One-step rounding error of '{program.name}'; _g given,",
             "# _f as the C computes it, _r in real numbers.",
         ]
-        if not bounds:
-            return "\n".join([*lines, "# No bound is stated: a block decides or rounds.", ""])
         for statement in ir.statements(program.statements):
             target = statement.target
             if target.kind is ir.Kind.STATE or (target.kind, target.name) not in self._needed:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -14,16 +14,18 @@ import numpy as np
 
 from ravenbrick.control.analysis.frequency_plots import frequency_response, plane_grid, unwrapped
 from ravenbrick.control.analysis.metrics import Margins
-from ravenbrick.control.analysis.plant_loop import PlantLoop
+from ravenbrick.control.analysis.plant_loop import PlantLoop, Wiring
 from ravenbrick.control.analysis.sampled import SampledLoop
 from ravenbrick.control.estimation.estimator import LoopSpecification
 from ravenbrick.errors import DesignError
-from ravenbrick.model import Diagram, LinearSystem, SpeedLoop, linear_system
+from ravenbrick.model import Diagram, LinearSystem, SpeedLoop
 from ravenbrick.model import program as ir
+from ravenbrick.model.rates import systems_of_steps
 
 __all__ = ["InteractiveDesign", "TunableLoop"]
 
 _POINTS = 240
+_NO_RESPONSE = "several rates: a sine is not answered by one sine, so no Bode plot"
 _REACH = 4.0
 _LEFT, _SLIDER_HEIGHT = 0.36, 0.045
 _OWN, _BEFORE, _MARK, _FAINT = "#1f5fa8", "#9a6a00", "#b3372f", "#bbbbbb"
@@ -34,12 +36,14 @@ class TunableLoop:
     """A loop whose controller keeps its gains open.
 
     `program` is the controller's step with the values that it has now, `closed` makes the loop of
-    a controller, and its step is shown for `duration` (s).
+    a controller's systems (`systems_of_steps`), and its step is shown for `duration` (s). `cut`
+    says where the open loop is cut, if there is a choice.
     """
 
     program: ir.Program
-    closed: Callable[[LinearSystem], SampledLoop | PlantLoop]
+    closed: Callable[[Sequence[LinearSystem]], SampledLoop | PlantLoop]
     duration: float = 1.0
+    cut: str = ""
 
     @classmethod
     def of(
@@ -48,25 +52,62 @@ class TunableLoop:
         """A speed loop with a diagram's own values; raises `DesignError` if none can be tuned."""
         window, delay = specification.window or 1, specification.delay
         program = controller.lower()
-        return cls(program, lambda system: SampledLoop(loop, system, window, delay))._with_gains()
+        own = cls(program, lambda systems: SampledLoop(loop, systems[0], window, delay))
+        if len(own.systems) > 1 or len(program.outputs) > 1:
+            raise DesignError(
+                f"the controller '{program.name}' of a speed loop has several rates or outputs; "
+                "give it with its plant to TunableLoop.around"
+            )
+        return own._with_gains()
 
     @classmethod
     def around(
-        cls, plant: Any, controller: Diagram, measured: Mapping[str, int], duration: float = 1.0
+        cls,
+        plant: Any,
+        controller: Diagram,
+        measured: Mapping[str, int],
+        duration: float = 1.0,
+        *,
+        driven: Mapping[str, int] | None = None,
+        set_point: str | None = None,
+        followed: int = 0,
+        cut: str | None = None,
     ) -> TunableLoop:
-        """The loop of a diagram with a continuous plant, such as python-control's, of one input.
+        """The loop of a diagram with a continuous plant, such as python-control's.
 
-        The diagram has one output. `measured` gives for its inputs the number of the plant's
-        output that they read; the one that is not named is the set-point, which the plant's first
-        output follows.
+        `measured` gives for the diagram's inputs the number of the plant's output that they read,
+        `driven` for its outputs the number of the plant's input; one output drives the first
+        input. The other inputs are set-points: `set_point` is the one that steps, the others are
+        zero. `followed` is the plant's output that is shown, and `cut` the output at which the
+        open loop is cut while the other loops stay closed: the first that drives the plant.
         """
         program = controller.lower()
-        names = [slot.name for slot in program.inputs]
-        for name in measured:
-            if name not in names:
-                raise DesignError(f"the controller has no input '{name}'; it has {names}")
-        ports = [measured.get(name) for name in names]
-        own = cls(program, lambda system: PlantLoop(plant, system, ports), duration)
+        inputs, outputs = ([s.name for s in group] for group in (program.inputs, program.outputs))
+        if not driven:
+            driven = {outputs[0]: 0}
+            if len(outputs) > 1:
+                raise DesignError(
+                    f"the controller has the outputs {outputs}; say which input of the plant each "
+                    f"drives: driven={{'{outputs[0]}': 0}}"
+                )
+        for what, names, given in (("input", inputs, measured), ("output", outputs, driven)):
+            for name in given:
+                if name not in names:
+                    raise DesignError(f"the controller has no {what} '{name}'; it has {names}")
+        step = _chosen(
+            "input", set_point, "set_point", [name for name in inputs if name not in measured]
+        )
+        at = cut or next(name for name in outputs if name in driven)
+        _chosen("output that drives the plant", at, "cut", list(driven))
+        wiring = Wiring(
+            [measured.get(name) for name in inputs],
+            [driven.get(name) for name in outputs],
+            inputs.index(step),
+            followed,
+            outputs.index(at),
+        )
+        place = f", cut at {at}, other loops closed" if len(driven) > 1 else ""
+        own = cls(program, lambda systems: PlantLoop(plant, systems, wiring), duration, place)
         return own._with_gains()
 
     def _with_gains(self) -> TunableLoop:
@@ -88,21 +129,32 @@ class TunableLoop:
     @cached_property
     def gains(self) -> dict[str, float]:
         """Parameters on which the loop depends as long as no limit is reached, by name."""
-        present = linear_system(self.program)
         found = {}
         for slot in self.program.parameters:
             value = slot.initial
-            other = linear_system(self.tuned({slot.name: 1.1 * value + 0.1}).program)
+            others = self.tuned({slot.name: 1.1 * value + 0.1}).systems
             if any(
-                not np.array_equal(getattr(present, name), getattr(other, name)) for name in "ABCD"
+                not np.array_equal(getattr(present, name), getattr(other, name))
+                for present, other in zip(self.systems, others, strict=True)
+                for name in "ABCD"
             ):
                 found[slot.name] = value
         return found
 
     @cached_property
+    def systems(self) -> tuple[LinearSystem, ...]:
+        """The controller in each step of the period in which all of its rates run."""
+        return systems_of_steps(self.program)
+
+    @property
+    def period(self) -> float:
+        """That period in s, of which the poles are."""
+        return self.program.sample_time * len(self.systems)
+
+    @cached_property
     def sampled(self) -> SampledLoop | PlantLoop:
         """The loop as it runs, of a speed loop with estimator and delay."""
-        return self.closed(linear_system(self.program))
+        return self.closed(self.systems)
 
     @property
     def stable(self) -> bool:
@@ -156,13 +208,16 @@ class InteractiveDesign:
         self._figure.canvas.draw_idle()
 
     def figures(self) -> dict[str, float]:
-        """Settling time, overshoot and margins; none of the step where the loop is not stable."""
+        """Settling time, overshoot and, of one rate, margins; none if the loop is not stable."""
         if not self.loop.stable:
             return {}
-        margins, step = self.loop.sampled.margins(), self.loop.sampled.step_metrics()
+        step = self.loop.sampled.step_metrics()
+        found = {"settling_time": step.settling_time, "overshoot": step.overshoot}
+        if len(self.loop.systems) > 1:
+            return found
+        margins = self.loop.sampled.margins()
         return {
-            "settling_time": step.settling_time,
-            "overshoot": step.overshoot,
+            **found,
             "phase_margin_deg": margins.phase_margin_deg,
             "gain_margin": margins.gain_margin,
         }
@@ -178,11 +233,12 @@ class InteractiveDesign:
     def _draw_poles(self) -> None:
         axis = self._plane
         axis.clear()
-        plane_grid(axis, self.loop.sampled.sample_time)
+        plane_grid(axis, self.loop.period)
         for loop, colour, mark in ((self._begun, _BEFORE, "+"), (self.loop, _OWN, "x")):
             poles = loop.sampled.poles()
             axis.plot(poles.real, poles.imag, mark, color=colour, markersize=8)
-        axis.set_title("poles of the closed loop (z)", fontsize=10)
+        several = f", of {1000 * self.loop.period:g} ms: all rates" if self._several else ""
+        axis.set_title(f"poles of the closed loop (z{several})", fontsize=10)
 
     def _draw_step(self) -> None:
         axis = self._step
@@ -194,7 +250,17 @@ class InteractiveDesign:
         axis.set_ylim(-0.1, 2.0)
         axis.set_title("unit step over s", fontsize=10)
 
+    @property
+    def _several(self) -> bool:
+        """Whether the controller has several rates."""
+        return len(self.loop.systems) > 1
+
     def _draw_response(self) -> None:
+        if self._several:
+            for axis in (self._magnitude, self._phase):
+                axis.axis("off")
+            self._magnitude.set_title(_NO_RESPONSE, fontsize=10)
+            return
         highest = math.pi / self.loop.sampled.sample_time
         frequencies = np.geomspace(highest * 1e-4, highest * (1 - 1e-6), _POINTS)
         for axis in (self._magnitude, self._phase):
@@ -208,7 +274,7 @@ class InteractiveDesign:
         self._magnitude.axhline(0.0, color=_FAINT, linewidth=1)
         self._magnitude.set_ylim(-60, 60)
         self._mark(self.loop.sampled.margins() if self.loop.stable else None)
-        self._magnitude.set_title("open loop (dB, deg) over rad/s", fontsize=10)
+        self._magnitude.set_title(f"open loop (dB, deg) over rad/s{self.loop.cut}", fontsize=10)
 
     def _mark(self, margins: Margins | None) -> None:
         if margins is None or not math.isfinite(margins.crossover):
@@ -231,16 +297,30 @@ class InteractiveDesign:
             return ""
         names = [slot.name for slot in self.loop.program.parameters]
         lines = self._code(self.loop.program).split("\n")
-        return "\n".join(line for line in lines if any(f"/* {name}:" in line for name in names))
+        values = [line for line in lines if not line.lstrip().startswith("/*")]
+        return "\n".join(line for line in values if any(f"/* {name}:" in line for name in names))
 
 
 def _described(figures: Mapping[str, float]) -> str:
     if not figures:
         return "not stable"
+    step = (
+        f"settles in {figures['settling_time'] * 1e3:.0f} ms, overshoot {figures['overshoot']:.1%}"
+    )
+    if "gain_margin" not in figures:
+        return step
     gain = figures["gain_margin"]
     decibels = f"{20 * math.log10(gain):.1f} dB" if 0 < gain < math.inf else "none"
-    return (
-        f"settles in {figures['settling_time'] * 1e3:.0f} ms, overshoot "
-        f"{figures['overshoot']:.1%}, phase margin {figures['phase_margin_deg']:.1f} deg, gain "
-        f"margin {decibels}"
-    )
+    return f"{step}, phase margin {figures['phase_margin_deg']:.1f} deg, gain margin {decibels}"
+
+
+def _chosen(what: str, given: str | None, keyword: str, names: Sequence[str]) -> str:
+    """The name that was given, or the only one; raises `DesignError` with the choice."""
+    if given in names:
+        return str(given)
+    if given is None and len(names) == 1:
+        return names[0]
+    if not names:
+        raise DesignError("the controller has no set-point: each of its inputs reads the plant")
+    wrong = "" if given is None else f"'{given}' is no such {what}; "
+    raise DesignError(f"{wrong}choose one with {keyword}: {', '.join(names)}")
