@@ -90,6 +90,20 @@ def test_an_enabled_subsystem_keeps_its_memory_while_it_stands() -> None:
     assert [row["y"] for row in outputs(d, 3, u=1.0, on=1.0)] == [0.5, 0.75, 0.875]
 
 
+def test_parts_enabled_with_reset_begin_anew_after_each_pause() -> None:
+    """Two low passes that one signal enables: both start from zero again, and only then."""
+    d = Diagram("enabled", 0.01)
+    u, on = d.add(Inport("u")), d.add(Inport("on"))
+    for name in ("one", "two"):
+        part = d.add(Subsystem(name.title(), diagram=low_pass(name)))
+        d.connect_chain(u, part, d.add(Outport(f"y_{name}")))
+        d.enable(part, on, reset=True)
+    run = Execution(d)
+    steps = [run.step({"u": 1.0, "on": enabled}) for enabled in (1.0, 1.0, 0.0, 1.0, 1.0)]
+    wanted = [0.5, 0.75, 0.875, 0.5, 0.75]
+    assert [[float(y) for y in step.values()] for step in steps] == [[y, y] for y in wanted]
+
+
 def test_blocks_compute_on_vectors_element_by_element() -> None:
     """A gain, a limit with memory and a sum with a single number."""
     d = Diagram("vector", 0.01)

@@ -5,7 +5,7 @@
 use crate::error::Error;
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
-use crate::graph::control_flow::{Block, ControlTransfer, Target};
+use crate::graph::control_flow::{Block, ControlTransfer, Node, Target};
 use crate::graph::loop_forest::successors;
 use crate::inputs::annotations::Fact;
 use crate::inputs::image::Entry;
@@ -139,7 +139,15 @@ fn loop_point(
     (within, at_most): (Option<Within>, u64),
 ) -> Option<FlowPoint> {
     let (flow, found) = (&summary.flow, &summary.forest.loops[index]);
-    let last = |block: usize| flow.blocks[block].instructions.last().map(|(at, _)| *at);
+    // A call over a veneer, which other callers share, is seen where it is called.
+    let last = |block: usize| match &flow.blocks[block] {
+        Block {
+            transfer: Some(ControlTransfer::CallFor(..)),
+            node: Node { copy, .. },
+            ..
+        } if *copy != 0 => Some(*copy),
+        block => block.instructions.last().map(|(at, _)| *at),
+    };
     let into = (0..flow.blocks.len()).filter(|block| {
         !found.blocks.contains(block) && successors(flow, *block).any(|next| next == found.header)
     });
