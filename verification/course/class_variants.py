@@ -11,6 +11,8 @@ Every hand-in is judged by the truth of every other student: COUNT * (COUNT - 1)
 from __future__ import annotations
 
 import json
+import math
+import runpy
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -22,6 +24,8 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.codegen import prove
+from ravenbrick.control import pi_diagram, pi_direct
 from ravenbrick.control.estimation.identification import fit_motor
 from ravenbrick.grading.answers import Answers, parse_wanted
 from ravenbrick.grading.rubric import Rubric, read_rubric
@@ -29,9 +33,18 @@ from ravenbrick.grading.student_folder import own_recording, recorded_scenarios
 from ravenbrick.grading.variants import Variant, filled
 from ravenbrick.image.build import build_image
 from ravenbrick.image.elf import ElfImage
+from ravenbrick.model import (
+    NXT_MOTOR,
+    FixedPointOptions,
+    IntegrationMethod,
+    Rounding,
+    SpeedLoop,
+    to_fixed_point,
+)
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
+from ravenbrick.schedule import CriticalSection, Task, TaskSet, simulate
 from ravenbrick.schedule.report import analysis
 from ravenbrick.schedule.task_file import read_task_file
 from ravenbrick.trace.motor_data import signal_data
@@ -98,6 +111,26 @@ def _designed(variant: Variant) -> dict[str, float]:
     return {"proportional_gain": float(f"{variant.facts['proportional_gain']:.4g}")}
 
 
+def _estimated(variant: Variant) -> dict[str, float]:
+    """Sheet 2: per cent of the battery's 8 V for one count, and half of the window."""
+    facts = variant.facts
+    step = 100 * facts["proportional_gain"] * facts["speed_quantum"] / 8
+    return {
+        "duty_step_window_percent": float(f"{step:.3g}"),
+        "window_delay_ms": 4 * variant.numbers["window_samples"] / 2,
+    }
+
+
+def _sampled(variant: Variant) -> dict[str, float]:
+    """Sheet 5: the design with the long period, half of it at 9.78 rad/s, and the alias."""
+    period_s = variant.numbers["long_period_ms"] / 1000
+    return {
+        "margin_long_period_deg": round(variant.facts["phase_margin_deg"], 1),
+        "hold_long_period_deg": round(math.degrees(9.78 * period_s / 2), 1),
+        "alias_hz": round(1 / period_s - variant.numbers["ripple_hz"], 2),
+    }
+
+
 def _timed(variant: Variant) -> dict[str, float]:
     """Whole milliseconds, as the program of sheet 6 shows them."""
     n = variant.numbers
@@ -128,6 +161,66 @@ def _counted(variant: Variant) -> dict[str, float]:
     }
 
 
+def _analysed(variant: Variant) -> dict[str, float]:
+    """The example of sheet 7 with the own execution times."""
+    text = files_of(LESSONS / "07-response.md")["example.toml"]
+    own = [variant.numbers[f"{name}_wcet_us"] / 1000 for name in ("fast", "middle", "slow")]
+    changes = [(f"wcet = {old}", f"wcet = {new:g}") for old, new in enumerate(own, 1)]
+    (slow,) = (task for task in _analysis(text, *changes)["tasks"] if task["name"] == "slow")
+    return {
+        "slow_response_ms": round(float(slow["response_time_bound"]), 2),
+        "slow_longest_ms": round(float(slow["wcet_max"]), 2),
+    }
+
+
+def _proved(variant: Variant) -> dict[str, float]:
+    """What `fixed.py` of sheet 8 prints with the own range of the inputs."""
+    loop = SpeedLoop.of_motor(NXT_MOTOR, 116.0)
+    pi = pi_direct(loop, 0.4, 0.004, IntegrationMethod.FORWARD_EULER)
+    diagram = pi_diagram(pi, 8.0, loop.time_constant)
+    inputs = dict.fromkeys(("Input_Voltage", "Real_Voltage"), variant.numbers["input_range_v"])
+    found = {}
+    for rounding in Rounding:
+        options = FixedPointOptions({**inputs, "Integral": 16.0}, rounding=rounding)
+        (error,) = prove(to_fixed_point(diagram, options)).one_step.values()
+        found[f"error_{rounding.value.replace(' ', '_')}_mv"] = round(1000 * error, 4)
+    return found
+
+
+def _steered(variant: Variant) -> dict[str, float]:
+    """What design.py of sheet 11 prints with the own numbers, and with half of the damping."""
+    design = runpy.run_path(str(_rubric("lab-11").project / "design.py"))
+    constants = design["proportional_gain"].__globals__
+    constants["CRUISE_VOLTAGE"] = variant.numbers["cruise_v"]
+    speed = constants["WHEEL_RADIUS"] * NXT_MOTOR.gain * constants["CRUISE_VOLTAGE"]
+    found = {}
+    for answer, share in (("curve_error_half_damping", 0.5), ("curve_error", 1.0)):
+        constants["DAMPING"] = share * variant.numbers["damping"]
+        gain = design["proportional_gain"](speed)
+        found[answer] = float(f"{design['curve_error'](speed, gain, 0.3):.3g}")
+    return found | {"proportional_gain": float(f"{gain:.3g}")}
+
+
+def _locked(variant: Variant) -> dict[str, float]:
+    """The first two schedules of sheet 13 with the own computing times, simulated."""
+    low, middle = (int(variant.numbers[name]) for name in ("low_ms", "middle_ms"))
+    tasks = TaskSet(
+        (
+            Task("high", 40, 1, priority=3, phase=3, sections=(CriticalSection("store", 1),)),
+            Task("middle", 40, middle, priority=2, phase=4),
+            Task("low", 40, low, priority=1, sections=(CriticalSection("store", low),)),
+        )
+    )
+    flag, ceiling = (
+        next(job for job in simulate(tasks, 40, protocol=protocol).jobs if job.task.name == "high")
+        for protocol in ("none", "immediate_ceiling")
+    )
+    return {
+        "response_with_flag_ms": float(flag.completion - flag.release),
+        "blocking_ms": float(ceiling.completion - ceiling.release - 1),
+    }
+
+
 def _scheduled(variant: Variant) -> dict[str, float]:
     """The task sets of sheet 20 with the own numbers, analysed as its steps do."""
     numbers, written = variant.numbers, files_of(OVERLOAD)
@@ -139,9 +232,10 @@ def _scheduled(variant: Variant) -> dict[str, float]:
     control, period = (
         numbers[name] / 1000 for name in ("first_set_control_us", "polling_server_period_us")
     )
-    first = _analysis(written["taskset.toml"], "wcet = 1.6", f"wcet = {control:g}")
+    first = _analysis(written["taskset.toml"], ("wcet = 1.6", f"wcet = {control:g}"))
     polling = edited(written["background.toml"], change)
-    (served,) = _analysis(polling, "period = 8", f"period = {period:g}")["servers"][0]["tasks"]
+    set_ = _analysis(polling, ("period = 8", f"period = {period:g}"))
+    (served,) = set_["servers"][0]["tasks"]
     (line,) = (task for task in first["tasks"] if task["name"] == "line")
     return {
         "line_longest_ms": round(float(line["wcet_max"]), 2),
@@ -149,19 +243,27 @@ def _scheduled(variant: Variant) -> dict[str, float]:
     }
 
 
-def _analysis(taskset: str, old: str, new: str) -> dict[str, Any]:
-    """Of a task set with a changed line, as `ravenbrick schedule` makes it."""
+def _analysis(taskset: str, *changes: tuple[str, str]) -> dict[str, Any]:
+    """Of a task set with changed lines, as `ravenbrick schedule` makes it."""
+    for old, new in changes:
+        taskset = edited(taskset, f"-{old}\n+{new}\n")
     with tempfile.TemporaryDirectory() as name:
         file = Path(name) / "taskset.toml"
-        file.write_text(edited(taskset, f"-{old}\n+{new}\n"), encoding="utf-8")
+        file.write_text(taskset, encoding="utf-8")
         return analysis(read_task_file(file, None))
 
 
 SHEETS: Mapping[str, Callable[[Variant], dict[str, float]]] = {
+    "lab-02": _estimated,
     "lab-03": _identified,
     "lab-04": _designed,
+    "lab-05": _sampled,
     "lab-06": _timed,
+    "lab-07": _analysed,
+    "lab-08": _proved,
     "lab-10": _calibrated,
+    "lab-11": _steered,
+    "lab-13": _locked,
     "lab-14": _counted,
     "lab-20": _scheduled,
 }

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from verification.commands import Counts, NoResultError
 from verification.support.paths import ROOT
@@ -26,10 +27,28 @@ def in_browser() -> Counts:
         if not report.exists():
             raise NoResultError("tools/page site: no report")
         files = json.loads(report.read_text("utf-8"))["testResults"]
-    tests = [test for file in files for test in file["assertionResults"]]
+    return counts_of_site([test for file in files for test in file["assertionResults"]])
+
+
+def counts_of_site(tests: list[dict[str, Any]]) -> Counts:
+    """Of Vitest's report, with the loads of the first page as a remark that leaves no case out."""
     failed = [test["fullName"] for test in tests if test["status"] == "failed"]
     passed = sum(test["status"] == "passed" for test in tests)
     left_out = len(tests) - passed - len(failed)
     reason = "a scenario with a peer or a monitor, which the page does not have"
-    excluded = [{"count": left_out, "reason": reason}] if left_out else []
+    excluded: list[dict[str, Any]] = [{"count": left_out, "reason": reason}] if left_out else []
+    loads = [test["meta"]["firstRobot"] for test in tests if "firstRobot" in test.get("meta", {})]
+    if loads:
+        excluded.append({"count": 0, "reason": f"no case, but measured: {_loads(loads)}"})
     return Counts(len(tests), passed, excluded, failed)
+
+
+def _loads(loads: list[dict[str, float]]) -> str:
+    """When the first robot moves with each processor, and what is loaded until then."""
+    quick, *slow = sorted(loads, key=lambda load: load["rate"])
+    parts = [f"the first page's robot moves after {quick['seconds']:.1f} s with this processor"]
+    parts += [
+        f"after {load['seconds']:.1f} s with one {load['rate']:g} times slower, as a phone's"
+        for load in slow
+    ]
+    return f"{', '.join(parts)}; {quick['bytes'] / 1e6:.2f} MB are loaded until then, packed"

@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import pytest
 
-from verification.course.class_variants import measure
+from verification.course.class_variants import SHEETS, measure
 
 
-@pytest.mark.parametrize("sheet", ["lab-04", "lab-06", "lab-10", "lab-14", "lab-20"])
+# The recordings of sheet 3 take a minute.
+@pytest.mark.parametrize("sheet", [sheet for sheet in SHEETS if sheet != "lab-03"])
 def test_own_hand_ins_pass_and_copied_ones_do_not(sheet: str) -> None:
     """Eight students, each under every other name."""
     measured = measure(sheet, 8)

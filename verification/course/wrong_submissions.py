@@ -53,6 +53,16 @@ def solution_in(solved: Path) -> Path:
     return found
 
 
+def solved_in(folder: Path, sheet: Path) -> Path:
+    """Where in the folder the sheet and its solution were executed, or are now."""
+    solved = folder / sheet.stem
+    if not solved.is_dir():
+        solved.mkdir(parents=True)
+        run_sheet(sheet, solved)
+        run_solution(sheet, solved)
+    return solved
+
+
 def _files_at(place: Path) -> list[Path]:
     return sorted(place.iterdir()) if place.is_dir() else [place]
 
@@ -91,12 +101,7 @@ def judge_all(folder: Path, numbers: list[str]) -> list[tuple[str, bool]]:
     """The sheets of these numbers, or all; those not solved in the folder are solved first."""
     rows: list[tuple[str, bool]] = []
     for sheet in find(numbers):
-        solved = folder / sheet.stem
-        if not solved.is_dir():
-            solved.mkdir(parents=True)
-            run_sheet(sheet, solved)
-            run_solution(sheet, solved)
-        for row in judge(sheet, solved):
+        for row in judge(sheet, solved_in(folder, sheet)):
             print("ok   " if row[1] else "WRONG", row[0], file=sys.stderr, flush=True)
             rows.append(row)
     return rows

@@ -279,7 +279,9 @@ def _variant(robot: Robot, numbers: dict[str, float], individual: Individual) ->
             facts[f"sensor_{port}_rest"] = plugged.rest.value
             facts[f"sensor_{port}_count"] = math.floor(plugged.rest.value + 0.5)
     if individual.design:
-        constants = {name: _value(text, facts) for name, text in individual.design.items()}
+        values = {name: _value(text, facts) for name, text in individual.design.items()}
+        # A number of samples is whole in design.py, too.
+        constants = {n: int(v) if v.is_integer() else v for n, v in values.items()}
         facts |= _design_figures(robot, constants)
     return Variant(robot, numbers, facts)
 
