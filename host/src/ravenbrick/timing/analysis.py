@@ -404,7 +404,6 @@ def analyse(
     scheduled = partial(_scheduled, partial(of_facts, facts), executions)
     found = scheduled()
     roots = [body for body, _, _ in questions] + [cost.handler.symbol for cost in costs]
-    counted = _counted(image, roots, facts, annotations)
     return Analysis(
         found.timings,
         costs,
@@ -418,7 +417,7 @@ def analyse(
         events,
         tuple(task.name for task in transfers),
         background,
-        counted,
+        _counted(image, roots, facts, annotations),
         _handlers_stack_bytes(image),
         environment,
         requests_of(facts, costs, [*jobs, *background.all_threads]),
