@@ -40,7 +40,6 @@ from ravenbrick.timing.observation.observed import exceeded, observe
 from ravenbrick.timing.observation.worst_case_search import largest, search_worst_case
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.result import advice, result_of
-from ravenbrick.timing.results.stacks import stack_lines, stacks_suffice
 from ravenbrick.timing.results.worst_path import worst_paths
 from ravenbrick.timing.scheduled_tasks import Change
 from ravenbrick.timing.unmatched_facts import check_facts
@@ -197,16 +196,6 @@ def test_a_stack_without_a_bound_does_not_suffice(analysis: Analysis) -> None:
     with pytest.raises(DeadlineError, match=words) as caught:
         checked({**result, "advice": advice(result)})
     assert caught.value.data["stacks_suffice"] is False
-
-
-def test_the_stack_of_the_environment_task_is_not_judged() -> None:
-    stack = {"name": "environment", "bound_bytes": None, "size_bytes": 4096, "lost_at": None}
-    (line,) = stack_lines([stack])
-    assert line.startswith("no bound was found for the stack of environment (4096 bytes): it elab")
-    assert stacks_suffice([stack]) is None
-    other = {**stack, "name": "control", "bound_bytes": 4096}
-    assert stacks_suffice([stack, other]) is None and stacks_suffice([other]) is True
-    assert stacks_suffice([stack, {**other, "size_bytes": 4095}]) is False
 
 
 def test_the_handlers_stack_is_judged_too(analysis: Analysis) -> None:

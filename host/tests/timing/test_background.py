@@ -6,6 +6,7 @@ and what its waits cost in the bounds; a task that it never lets run misses its 
 from __future__ import annotations
 
 import importlib.util
+from dataclasses import replace
 
 import pytest
 
@@ -18,10 +19,13 @@ if any(find_tool(tool) is None for tool in TOOLS):
 
 from verification.support.timing.programs import Subject, analysed, subject
 
-from ravenbrick.timing.analysis import Analysis
-from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.observation.observed import exceeded, observe
+from ravenbrick.timing.analysis import Analysis, known_facts
+from ravenbrick.timing.background import main_symbol
+from ravenbrick.timing.bounds import ExecutionTimeError, stack_bounds
+from ravenbrick.timing.observation.observed import check_stacks, exceeded, observe, used_stacks
 from ravenbrick.timing.results.result import advice, result_of
+from ravenbrick.timing.results.stacks import stacks_of
+from ravenbrick.timing.scheduled_tasks import PREEMPTION_BYTES
 
 FOLDER = "background"
 # More than a masked service of the run-time takes.
@@ -44,6 +48,9 @@ def test_no_response_beside_a_background_main_exceeds_its_bound(main: str) -> No
     assert result["schedulable"] and result["misses"] == []
     (thread,) = result["background"]
     assert thread["name"] == "environment" and thread["stack_bound_bytes"] is not None
+    first, last = result["scope"]
+    assert "has neither a deadline nor a response bound" in first
+    assert last == "the stack bound of environment covers start-up, elaboration and main procedure"
     for task in result["tasks"]:
         assert task["observed"]["jobs"] > 300
         assert task["response_bound_cycles"] < 1.5 * task["observed"]["response_cycles"]
@@ -111,3 +118,20 @@ def test_a_main_procedure_that_waits_and_is_as_urgent_as_a_task_is_refused() -> 
     text = r"priority 10 .*: display \(priority 10\);.*robot.toml as the task 'environment'"
     with pytest.raises(ExecutionTimeError, match=text):
         analysed(program, program.facts)
+
+
+def test_the_stack_bound_of_a_background_main_covers_the_elaboration() -> None:
+    """A bound of the main procedure alone lies below what the program uses before it."""
+    program, analysis = _analysed("idle_main")
+    recording = program.run()
+    stacks = {each["name"]: each for each in stacks_of(analysis, used_stacks(recording))}
+    whole = stacks["environment"]
+    _, annotations = known_facts(program.robot, program.image, program.facts)
+    (alone,) = stack_bounds(program.image.content, [main_symbol(program.image)], annotations)
+    assert alone.bytes is not None and whole["verdict"] == "suffices"
+    assert alone.bytes + PREEMPTION_BYTES < whole["used_bytes"] <= whole["bound_bytes"]
+    check_stacks(analysis, recording)
+    of_main = replace(analysis.environment, bound=alone)
+    wrong = replace(analysis, background=analysis.background.with_stacks(of_main))
+    with pytest.raises(ExecutionTimeError, match=r"environment showed a stack of \d+, above its"):
+        check_stacks(wrong, recording)

@@ -38,7 +38,9 @@ from ravenbrick.timing.observation.observed import (
     check_bounds,
     check_event_rates,
     check_job_kinds,
+    check_stacks,
     observe,
+    used_stacks,
     worst_job,
 )
 from ravenbrick.timing.observation.worst_case_search import WorstSample, largest, search_worst_case
@@ -60,6 +62,7 @@ from ravenbrick.timing.results.report import (
     write_timing_report,
 )
 from ravenbrick.timing.results.result import advice, microseconds, result_of
+from ravenbrick.timing.results.stacks import MAY_OVERFLOW
 from ravenbrick.timing.results.task_set_file import task_set_text
 from ravenbrick.timing.results.worst_path import worst_paths
 from ravenbrick.timing.scheduled_tasks import STOLEN_CYCLES
@@ -253,11 +256,8 @@ def _print(reporter: Reporter, result: dict[str, Any], notes: Sequence[str]) -> 
     reporter.table(INTERRUPT_HEAD, interrupt_rows(result), left=("handler",))
     if result["timing_events"]:
         reporter.table(EVENT_HEAD, event_rows(result))
-    for thread in result["background"]:
-        reporter.print(
-            f"{thread['name']} runs in the background at priority {thread['priority']}: it delays "
-            "others by critical sections only, and no deadline of its own is checked"
-        )
+    for line in result["scope"]:
+        reporter.print(line)
     if result["schedulable"]:
         reporter.print("schedulable")
     for line in notes:
@@ -272,11 +272,16 @@ def _holds(result: dict[str, Any]) -> bool:
 
 
 def checked(result: dict[str, Any]) -> dict[str, Any]:
-    """The result; raises `DeadlineError` with it when a deadline can be missed, or a stack can
+    """The result; raises `DeadlineError` with it when a deadline can be missed, or a stack may
     overflow or has no bound."""
     if _holds(result):
         return result
-    verdict = "NOT schedulable" if not result["schedulable"] else "a stack can overflow"
+    if not result["schedulable"]:
+        verdict = "NOT schedulable"
+    elif any(stack["verdict"] == MAY_OVERFLOW for stack in result["stacks"]):
+        verdict = "a stack may overflow"
+    else:
+        verdict = "a stack is not shown to suffice"
     first, *others = result["advice"]
     error = DeadlineError(f"{verdict}: {first}", detail="\n".join(others))
     error.data = result
@@ -322,13 +327,14 @@ def analyse_command(
     found = _search(robot, chosen, elf, recording, wanted, target, reporter)
     counts = _check_facts(robot, facts, elf, analysis, recording, found, wanted[2])
     check_bounds(analysis, found.seen, found.more.get("long_run"))
+    check_stacks(analysis, recording)
     loop = read_loop(workspace.design_file)
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
     result = {
         "scenario": chosen.name,
         "image_sha256": elf.digest,
         "effort": effort,
-        **result_of(analysis, found.seen, found.undisturbed),
+        **result_of(analysis, found.seen, found.undisturbed, used_stacks(recording)),
         "chains": [_chain_result(chain, loop) for chain in chains],
         "facts": [count.plain() for count in counts],
         **found.more,

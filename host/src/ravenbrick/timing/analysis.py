@@ -37,6 +37,11 @@ from ravenbrick.timing.bounds import (
     whole_stack,
 )
 from ravenbrick.timing.counted_facts import CountedFact, counted_facts
+from ravenbrick.timing.environment_stack import (
+    NO_ENVIRONMENT,
+    EnvironmentStack,
+    environment_stack,
+)
 from ravenbrick.timing.events import EventCost, event_costs, event_count, handlers_of_events
 from ravenbrick.timing.facts import TIMING_FILE, Facts, KindOfJob, Mode, annotations_of
 from ravenbrick.timing.initial_state import (
@@ -107,6 +112,7 @@ class Analysis:
     background: Background = NO_BACKGROUND
     counted: tuple[CountedFact, ...] = ()
     handlers_stack_bytes: int = 0
+    environment: EnvironmentStack = NO_ENVIRONMENT
     requests: tuple[Request, ...] = ()
     kinds: tuple[tuple[KindOfJob, int], ...] = ()
 
@@ -383,6 +389,9 @@ def analyse(
     if facts.outside:
         whole = [whole_stack(image.content, annotations, one) for one in questions]
         jobs = [(t, replace(j, **stack)) for (t, j), stack in zip(jobs, whole, strict=True)]
+    environment = environment_stack(image, brick, annotations)
+    jobs = [(task, environment.of_job(task.name, job)) for task, job in jobs]
+    background = background.with_stacks(environment)
     for task, job in [*jobs, *background.all_threads]:
         _check_ceilings(robot, job, task, objects)
     facts = with_operations(facts, jobs, bounded)
@@ -395,7 +404,6 @@ def analyse(
     scheduled = partial(_scheduled, partial(of_facts, facts), executions)
     found = scheduled()
     roots = [body for body, _, _ in questions] + [cost.handler.symbol for cost in costs]
-    counted = _counted(image, roots, facts, annotations)
     return Analysis(
         found.timings,
         costs,
@@ -409,8 +417,9 @@ def analyse(
         events,
         tuple(task.name for task in transfers),
         background,
-        counted,
+        _counted(image, roots, facts, annotations),
         _handlers_stack_bytes(image),
+        environment,
         requests_of(facts, costs, [*jobs, *background.all_threads]),
         tuple(executions[0].kinds),
     )

@@ -21,6 +21,7 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.timing.alarm import AlarmCosts
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
+from ravenbrick.timing.environment_stack import EnvironmentStack
 from ravenbrick.timing.initial_state import ENVIRONMENT, main_rests
 from ravenbrick.timing.kernel import DELAY_UNTIL, WAITING
 
@@ -57,6 +58,16 @@ class Background:
     def with_never_waiting(self, tasks: Sequence[tuple[Task, Bound]]) -> Background:
         """With tasks that stay in a loop and never wait."""
         return replace(self, never_waiting=(*self.never_waiting, *tasks))
+
+    def with_stacks(self, environment: EnvironmentStack) -> Background:
+        """With the whole stack of the environment task."""
+        found = (self.threads, self.never_waiting)
+        return Background(
+            *(
+                tuple((task, environment.of_job(task.name, job)) for task, job in each)
+                for each in found
+            )
+        )
 
     @property
     def all_threads(self) -> tuple[tuple[Task, Bound], ...]:

@@ -23,8 +23,11 @@ __all__ = [
     "Call",
     "ExecutionTimeError",
     "JobQuestion",
+    "StackBound",
+    "deepest_of",
     "execution_times",
     "recursion_words",
+    "stack_bounds",
     "whole_stack",
 ]
 
@@ -48,8 +51,8 @@ class Bound:
     `critical_sections` are the longest ones (protected actions): urgency and cycles. `reached` are
     all functions that may be executed, `reached_inside` those that a job calls before it waits for
     its next release in one of `released_by`. What runs in the background has no cycles, nor has a
-    task that stays in a loop for ever without a wait, at the line `endless`. A stack without a
-    bound is lost at the line `stack_lost`, if that is known.
+    task that stays in a loop for ever without a wait, at the line `endless`. `stack_lost` and
+    `stack_gap` are those of `StackBound`.
     """
 
     symbol: str
@@ -64,11 +67,27 @@ class Bound:
     endless: str | None = None
     path: dict[str, Any] | None = None
     stack_lost: str | None = None
+    stack_gap: str | None = None
 
     def longest_critical_section(self, above_urgency: int) -> int:
         """Longest critical section above an urgency, in cycles."""
         longer = (cycles for urgency, cycles in self.critical_sections if urgency > above_urgency)
         return max(longer, default=0)
+
+
+@dataclass(frozen=True)
+class StackBound:
+    """The stack of a function with all it calls; None without a bound. Then its depth is lost at
+    the line `lost`, or `gap` says why the code cannot be followed and which fact is missing."""
+
+    bytes: int | None
+    lost: str | None = None
+    gap: str | None = None
+
+
+def deepest_of(stacks: Sequence[StackBound]) -> StackBound:
+    """The deepest of stacks that are used one after the other; one without a bound first."""
+    return max(stacks, key=lambda found: (found.bytes is None, found.bytes or 0))
 
 
 @dataclass(frozen=True)
@@ -97,6 +116,7 @@ class Bounds:
     known_memory_cycles: int | None = None
     known_memory_lines: tuple[tuple[str, int], ...] = ()
     effort: dict[str, int] = field(default_factory=dict)
+    stacks: tuple[StackBound, ...] = ()
     runs: tuple[dict[str, Any], ...] = ()
 
 
@@ -155,6 +175,13 @@ def _bound(answer: dict[str, Any]) -> Bound:
     )
 
 
+def _stack(answer: dict[str, Any]) -> StackBound:
+    gap = answer["error"]
+    if gap is not None:
+        gap = f"{answer['symbol']}: {gap}".replace("\n", ";")
+    return StackBound(answer["stack_bytes"], answer["stack_lost"] or None, gap)
+
+
 def _known_memory_cycles(answer: dict[str, Any] | None) -> int | None:
     if answer is None:
         return None
@@ -194,6 +221,7 @@ def execution_times(
     functions: Sequence[str] = (),
     jobs: Sequence[JobQuestion] = (),
     background: Sequence[str] = (),
+    stacks: Sequence[str] = (),
     annotations: Sequence[tuple[str, str]] = (),
     root: str | None = None,
     callees: Sequence[str] = (),
@@ -208,7 +236,8 @@ def execution_times(
 ) -> Bounds:
     """Bounds of functions, and of jobs as (body, functions in which the task waits, those in which
     it waits if its body calls none of these). `background` are functions that run beside the tasks
-    and need not end: only their stack and their effects on others are bounded.
+    and need not end: only their stack and their effects on others are bounded. Of `stacks` only the
+    stack is, for which no loop needs a bound.
 
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
     what it calls. With `graphs`, bounds bring the graphs of their longest paths, with `paths` the
@@ -230,6 +259,7 @@ def execution_times(
             for body, waits, otherwise in jobs
         ],
         "background": list(background),
+        "stacks": list(stacks),
         "annotations": [{"name": name, "text": text} for name, text in annotations],
         "root": root,
         "callees": list(callees),
@@ -262,8 +292,16 @@ def execution_times(
         _known_memory_cycles(answer["known_memory"]),
         _known_memory_lines(answer["known_memory"]),
         answer["effort"],
+        tuple(_stack(found) for found in answer["stacks"]),
         tuple(answer["runs"]),
     )
+
+
+def stack_bounds(
+    elf: bytes, symbols: Sequence[str], annotations: Sequence[tuple[str, str]]
+) -> tuple[StackBound, ...]:
+    """Stacks of functions with all they call, whatever time that takes."""
+    return execution_times(elf, stacks=symbols, annotations=annotations).stacks
 
 
 def whole_stack(
@@ -272,6 +310,7 @@ def whole_stack(
     """Stack of a task with all it calls, also outside of its jobs, as fields of `Bound`."""
     try:
         (bound,) = execution_times(elf, jobs=[question], annotations=annotations).jobs
-    except ExecutionTimeError:
-        return {"stack_bytes": None, "stack_lost": None}
-    return {"stack_bytes": bound.stack_bytes, "stack_lost": bound.stack_lost}
+    except ExecutionTimeError as error:
+        words = f"{error}; {error.detail}" if error.detail else str(error)
+        return {"stack_bytes": None, "stack_lost": None, "stack_gap": words}
+    return {"stack_bytes": bound.stack_bytes, "stack_lost": bound.stack_lost, "stack_gap": None}

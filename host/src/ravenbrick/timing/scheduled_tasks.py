@@ -25,7 +25,7 @@ from ravenbrick.timing.background import Background
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError
 from ravenbrick.timing.events import EventCost
 from ravenbrick.timing.facts import EventLoad, Facts, InterruptLoad, KindOfJob, TransferLoad
-from ravenbrick.timing.initial_state import ALARM_SOURCE, ENVIRONMENT
+from ravenbrick.timing.initial_state import ALARM_SOURCE
 from ravenbrick.timing.interrupt_blocking import InterruptBlocking
 from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND, InterruptCost, Services
 from ravenbrick.timing.suspension import suspension_of
@@ -88,9 +88,8 @@ class TaskTiming:
 
     @property
     def stack_bound_bytes(self) -> int | None:
-        """Deepest stack, with what a preemption saves; not known of the environment task, which
-        elaborates the program before."""
-        return None if self.task.name == ENVIRONMENT else deepest_stack(self.job)
+        """Deepest stack, with what a preemption saves."""
+        return deepest_stack(self.job)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,14 @@ use wcet::{AnnotationFile, MemoryMap, Request};
 const KERNEL: &str = "[kernel]\nlocks = [\"enter_action\"]\nunlocks = [\"leave_action\"]\n";
 const STATES: [&str; 2] = ["-marm", "-mthumb"];
 
+fn kernel() -> Vec<AnnotationFile> {
+    vec![AnnotationFile {
+        name: "kernel".to_owned(),
+        text: KERNEL.to_owned(),
+        own: false,
+    }]
+}
+
 #[test]
 fn a_loop_in_a_protected_action_counts_as_often_as_it_runs_wherever_the_action_begins() {
     for state in STATES {
@@ -18,11 +26,7 @@ fn a_loop_in_a_protected_action_counts_as_often_as_it_runs_wherever_the_action_b
         };
         let names = ["never_leads_into_the_loop", "leaves_in_the_loop"];
         let request = Request {
-            annotations: vec![AnnotationFile {
-                name: "kernel".to_owned(),
-                text: KERNEL.to_owned(),
-                own: false,
-            }],
+            annotations: kernel(),
             functions: names.map(str::to_owned).to_vec(),
             ..Request::default()
         };
@@ -40,5 +44,36 @@ fn a_loop_in_a_protected_action_counts_as_often_as_it_runs_wherever_the_action_b
                 "{state} {symbol}: {longest}, expected {range:?}"
             );
         }
+    }
+}
+
+#[test]
+fn a_stack_is_bounded_also_of_what_has_no_bound_in_time() {
+    for state in STATES {
+        let sources = [program("critical_sections.c")];
+        let Some(elf) = build("critical_sections", &sources, &[state, "-O0"]) else {
+            return;
+        };
+        let asked = vec!["elaborates_and_goes_on".to_owned()];
+        let request = Request {
+            annotations: kernel(),
+            background: asked.clone(),
+            stacks: asked,
+            ..Request::default()
+        };
+        let answers = request.answer(&elf, &MemoryMap::without_wait_states());
+        let answers = answers.unwrap();
+        let refused = answers.background[0].error.as_deref().unwrap_or_default();
+        assert!(refused.contains("no bound"), "{state}: {refused}");
+        let stack = &answers.stacks[0];
+        assert_eq!(stack.error, None, "{state}");
+        // `yields` is 0, so this call ends; the caller has a frame around it.
+        let called = Machine::new(&elf).call("waits_in_an_action", [3, 0, 0, 0]);
+        let bound = stack.stack_bytes.expect("a stack bound");
+        let range = called.stack_bytes + 8..=called.stack_bytes + 40;
+        assert!(
+            range.contains(&bound),
+            "{state}: {bound}, expected {range:?}"
+        );
     }
 }

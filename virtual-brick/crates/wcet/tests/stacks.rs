@@ -62,3 +62,34 @@ fn a_stack_without_a_bound_names_the_line_at_which_its_depth_is_lost() {
         assert_eq!(known.stack_lost, None);
     });
 }
+
+#[test]
+fn a_line_that_is_never_executed_loses_no_depth() {
+    let never = "[[never]]\nfile = \"computed_frames.c\"\nline = 57\n";
+    on_optimised_arm(|elf| {
+        let stack = |facts| {
+            report(elf, "perhaps_any_length", facts)
+                .unwrap()
+                .stack_bytes
+        };
+        assert_eq!(stack(""), None);
+        assert!(stack(never).is_some());
+    });
+}
+
+#[test]
+fn a_stack_of_code_that_cannot_be_followed_says_which_fact_is_missing() {
+    let sources = [program("refused.c")];
+    let Some(elf) = build("refused", &sources, &["-marm", "-O1"]) else {
+        return;
+    };
+    let request = Request {
+        stacks: vec!["through".to_owned()],
+        ..Request::default()
+    };
+    let answers = request.answer(&elf, &MemoryMap::without_wait_states());
+    let stack = &answers.unwrap().stacks[0];
+    let refused = stack.error.as_deref().unwrap_or_default();
+    assert!(refused.contains("[[call]] with 'targets'"), "{refused}");
+    assert_eq!(stack.stack_bytes, None);
+}

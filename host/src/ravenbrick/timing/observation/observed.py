@@ -19,6 +19,7 @@ from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import Facts
 from ravenbrick.timing.initial_state import ALARM_SOURCE, ENVIRONMENT
 from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
+from ravenbrick.timing.results.stacks import stacks_of
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, all_jobs, cyclic_begin_cycles, jobs_of
@@ -29,10 +30,12 @@ __all__ = [
     "check_bounds",
     "check_event_rates",
     "check_job_kinds",
+    "check_stacks",
     "exceeded",
     "longest_jobs",
     "observe",
     "ratio",
+    "used_stacks",
     "worst_job",
 ]
 
@@ -308,3 +311,21 @@ def check_bounds(
             f"{found[0]}; a fact in timing.toml does not hold, or the analysis is wrong",
             detail="\n".join(found),
         )
+
+
+def used_stacks(recording: Recording) -> dict[str, int]:
+    """What a run used of each thread's stack, in bytes, by its name in lower case. That of the
+    environment task counts from the start of the program on."""
+    return {thread.name.lower(): thread.stack_used_bytes for thread in recording.threads}
+
+
+def check_stacks(analysis: Analysis, recording: Recording) -> None:
+    """Raise `ExecutionTimeError` when a run used more of a stack than its bound, also of that of
+    the environment task and of background tasks."""
+    for stack in stacks_of(analysis, used_stacks(recording)):
+        used, bound = stack["used_bytes"], stack["bound_bytes"]
+        if used is not None and bound is not None and used > bound:
+            raise ExecutionTimeError(
+                f"{stack['name']} showed a stack of {used}, above its bound of {bound}; a fact in "
+                "timing.toml does not hold, or the analysis is wrong"
+            )

@@ -85,6 +85,11 @@ def event_rows(result: dict[str, Any]) -> list[list[str]]:
     return [[_text(row[key]) for key in keys] for row in result["timing_events"]]
 
 
+def _stack_rows(result: dict[str, Any]) -> list[list[str]]:
+    keys = ("name", "bound_bytes", "used_bytes", "size_bytes", "verdict")
+    return [[_text(stack[key]) for key in keys] for stack in result["stacks"]]
+
+
 def _observed_rows(result: dict[str, Any]) -> list[list[str]]:
     rows = []
     keys = ("interference_cycles", "interrupts_cycles", "blocking_cycles")
@@ -145,6 +150,7 @@ def write_timing_report(
         events=event_rows(result),
         release_us=microseconds(result["services"]["alarm_cycles"]),
         services=[(k.removesuffix("_cycles").replace("__", "."), _text(v)) for k, v in services],
+        stacks=_stack_rows(result),
         objects=[(item["name"], item["ceiling"]) for item in result["protected_objects"]],
     )
     report = folder / "timing.html"

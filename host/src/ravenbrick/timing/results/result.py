@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from ravenbrick.clock import MASTER_CLOCK
@@ -12,6 +13,7 @@ from ravenbrick.schedule.demand import window_of
 from ravenbrick.timing.analysis import Analysis, ModeBounds
 from ravenbrick.timing.background import endless_words
 from ravenbrick.timing.bounds import recursion_words
+from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.timing.margins import largest_scaling, longest_execution, smallest_period
 from ravenbrick.timing.observation.observed import Observed, ratio
 from ravenbrick.timing.results.stacks import stack_lines, stacks_of, stacks_suffice
@@ -40,6 +42,24 @@ def _never_waiting(analysis: Analysis) -> list[dict[str, Any]]:
         }
         for task, bound in analysis.background.never_waiting
     ]
+
+
+def _scope(analysis: Analysis) -> list[str]:
+    """What the bounds of the main procedure and of background tasks cover, in words."""
+    found = [
+        f"{task.name} runs in the background at priority {task.priority}: it delays others by "
+        "critical sections only, and has neither a deadline nor a response bound"
+        for task, _ in analysis.background.threads
+    ]
+    if any(timing.task.name == ENVIRONMENT for timing in analysis.tasks):
+        found.append(
+            f"the bounds of {ENVIRONMENT}'s jobs hold, and are compared with the run, from the "
+            "first release of all tasks on; the time of the elaboration before has no bound"
+        )
+    found.append(
+        f"the stack bound of {ENVIRONMENT} covers start-up, elaboration and main procedure"
+    )
+    return found
 
 
 def _up(cycles: Any) -> int | None:
@@ -149,15 +169,17 @@ def result_of(
     analysis: Analysis,
     observed: dict[str, Observed],
     undisturbed: dict[str, Observed] | None = None,
+    used_stacks: Mapping[str, int] | None = None,
 ) -> dict[str, Any]:
     """The result as data; times in cycles unless the name says otherwise.
 
-    `undisturbed` stands beside the bounds of modes, where it is not `observed`.
+    `undisturbed` stands beside the bounds of modes, where it is not `observed`; `used_stacks` are
+    what the run used of each stack, by thread.
     """
     in_modes = observed if undisturbed is None else undisturbed
     scaling = largest_scaling(analysis)
     factor = scaling.factor
-    stacks = stacks_of(analysis)
+    stacks = stacks_of(analysis, used_stacks)
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
     return {
         "timing": analysis.services.timing,
@@ -193,6 +215,7 @@ def result_of(
             for event in analysis.events
         ],
         "never_waiting": _never_waiting(analysis),
+        "scope": _scope(analysis),
         "background": [
             {
                 "name": task.name,

@@ -66,6 +66,19 @@ pub fn effects(program: &Program<'_>, entry: Entry, endless: Endless) -> Result<
     let mut search = Search {
         program,
         endless,
+        sections_wanted: true,
+        known: BTreeMap::new(),
+    };
+    search.function(entry)
+}
+
+/// Stack of a function and the functions that it may execute, whether or not it ever returns. What
+/// has no bound in time, also in a critical section, does not matter.
+pub fn stack_of(program: &Program<'_>, entry: Entry) -> Result<Effects, Error> {
+    let mut search = Search {
+        program,
+        endless: Endless::Followed,
+        sections_wanted: false,
         known: BTreeMap::new(),
     };
     search.function(entry)
@@ -74,6 +87,8 @@ pub fn effects(program: &Program<'_>, entry: Entry, endless: Endless) -> Result<
 struct Search<'p, 'a> {
     program: &'p Program<'a>,
     endless: Endless,
+    /// Else time has no part in what is searched.
+    sections_wanted: bool,
     /// Functions without a bound; while one is searched, nothing is known of it.
     known: BTreeMap<Entry, Effects>,
 }
@@ -116,7 +131,8 @@ impl Search<'_, '_> {
         for (index, block) in flow.blocks.iter().enumerate() {
             let record = &executed.records[index];
             let calls = self.calls(&block.calls, record, found)?;
-            if let (Some(error), Some(_)) = (calls.unbounded, record.urgency) {
+            let in_section = self.sections_wanted && record.urgency.is_some();
+            if let (Some(error), true) = (calls.unbounded, in_section) {
                 return Err(error);
             }
             found.stack_bytes = deeper(found.stack_bytes, record.depth_bytes);
@@ -124,6 +140,9 @@ impl Search<'_, '_> {
             let longest = longest_call(&calls.bounded, record, false);
             let costs = edge_costs(block, &summary.costs[index], record, &longest);
             cycles.push(costs.iter().map(edge_cycles).collect());
+        }
+        if !self.sections_wanted {
+            return Ok(());
         }
         let annotated = summary.limits_within(&[entry]);
         let findings = executed.findings.iter().zip(&annotated);
@@ -168,7 +187,10 @@ impl Search<'_, '_> {
                     stack
                 }
                 Err(Error::NeverReturns(_)) if self.endless == Endless::EndsProgram => continue,
-                Err(error @ (Error::NeverReturns(_) | Error::MissingBounds(_))) => {
+                Err(error)
+                    if !self.sections_wanted
+                        || matches!(error, Error::NeverReturns(_) | Error::MissingBounds(_)) =>
+                {
                     let inner = self.function(callee)?;
                     merge(&mut found.sections, &inner.sections);
                     found.functions.extend(&inner.functions);

@@ -3,7 +3,7 @@
 //! Several questions about one program, and their answers, for other programs.
 
 use crate::error::{Error, Place};
-use crate::functions::effects::{collect_functions, effects, Effects, Endless};
+use crate::functions::effects::{collect_functions, effects, stack_of, Effects, Endless};
 use crate::functions::endless_loop::endless_loop;
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::program::Program;
@@ -48,6 +48,8 @@ pub struct Request {
     pub jobs: Vec<Task>,
     /// Functions that run in the background and need not end: only their effects on others.
     pub background: Vec<String>,
+    /// Functions of which only the stack is wanted, whatever time they take.
+    pub stacks: Vec<String>,
     /// Function from which calls are searched.
     pub root: Option<String>,
     /// Functions whose arguments at calls are wanted.
@@ -173,6 +175,8 @@ pub struct Response {
     pub jobs: Vec<Answer>,
     /// Effects of background functions, without cycles.
     pub background: Vec<Answer>,
+    /// Stacks, without cycles.
+    pub stacks: Vec<Answer>,
     /// Calls that were searched.
     pub calls: Vec<Call>,
     /// Bound of the last of the calls that nothing disturbs.
@@ -251,23 +255,30 @@ impl Answer {
         });
         match found {
             Err(error) => Self::refused(program, symbol, &error),
-            Ok((
-                Effects {
-                    sections,
-                    functions,
-                    stack_bytes,
-                    stack_lost,
-                },
-                endless,
-            )) => Self {
-                symbol: symbol.to_owned(),
+            Ok((effects, endless)) => Self {
                 endless: endless.as_ref().map(source_line),
-                stack_bytes,
-                stack_lost: lost_at(program, stack_bytes, stack_lost),
-                critical_sections: sections.into_iter().collect(),
-                reached: names(program, &functions),
-                ..Self::default()
+                ..Self::of_effects(program, symbol, effects)
             },
+        }
+    }
+
+    /// The stack alone.
+    fn stack(program: &Program<'_>, symbol: &str) -> Self {
+        let found = program.function(symbol);
+        match found.and_then(|entry| stack_of(program, entry)) {
+            Err(error) => Self::refused(program, symbol, &error),
+            Ok(effects) => Self::of_effects(program, symbol, effects),
+        }
+    }
+
+    fn of_effects(program: &Program<'_>, symbol: &str, found: Effects) -> Self {
+        Self {
+            symbol: symbol.to_owned(),
+            stack_bytes: found.stack_bytes,
+            stack_lost: lost_at(program, found.stack_bytes, found.stack_lost),
+            critical_sections: found.sections.into_iter().collect(),
+            reached: names(program, &found.functions),
+            ..Self::default()
         }
     }
 }
@@ -389,6 +400,8 @@ impl Request {
         response.background = background
             .map(|symbol| Answer::background(&program, symbol))
             .collect();
+        let stacks = self.stacks.iter();
+        response.stacks = stacks.map(|s| Answer::stack(&program, s)).collect();
         if let Some(known_memory) = &self.known_memory {
             let symbol = known_memory.calls.last().cloned().unwrap_or_default();
             let found = known_memory.bound(&image, map, &annotations);

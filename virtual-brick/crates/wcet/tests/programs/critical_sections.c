@@ -1,8 +1,8 @@
 /* SPDX-FileCopyrightText: 2026 Ravenbrick contributors
  * SPDX-License-Identifier: Apache-2.0
  *
- * Protected actions around loops: one with a place that is never reached and leads into it, and one
- * that a loop leaves and enters again.
+ * Protected actions around loops: one with a place that is never reached and leads into it, one
+ * that a loop leaves and enters again, and one without a bound.
  */
 
 #define FUNCTION __attribute__((noinline))
@@ -52,4 +52,22 @@ FUNCTION int leaves_in_the_loop(void)
     }
     leave_action(&object);
     return sum;
+}
+
+/* Called first: what it takes of the stack counts, however long it takes. */
+FUNCTION int waits_in_an_action(int depth)
+{
+    volatile int frame[40];
+    enter_action(&object);
+    while (yields)
+        frame[depth & 31] = weights[depth & 7];
+    leave_action(&object);
+    return frame[0];
+}
+
+void elaborates_and_goes_on(void)
+{
+    volatile int here = waits_in_an_action(3);
+    for (;;)
+        weights[here & 7] = here;
 }
