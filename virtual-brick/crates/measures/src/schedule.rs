@@ -248,18 +248,23 @@ impl Processor {
 /// Neighbours may have the same owner, and a stretch may be empty.
 #[must_use]
 pub fn stretches(run: &Run<'_>) -> Vec<Stretch> {
+    let mut found = Vec::new();
+    each_stretch(run, |stretch| found.push(stretch));
+    found
+}
+
+fn each_stretch(run: &Run<'_>, mut found: impl FnMut(Stretch)) {
     let mut processor = Processor {
         stops: run.of_kind(EventKind::ProcessorStopped).next().is_some(),
         stopped: false,
         handlers: Vec::new(),
         running: IDLE,
     };
-    let mut found = Vec::new();
     let (mut begin_cycles, mut owner) = (0, processor.owner());
     let mut cut = |at: u64, next: (i64, i64)| {
         let end_cycles = begin_cycles.max(at as i64);
         let (was, source) = std::mem::replace(&mut owner, next);
-        found.push(Stretch {
+        found(Stretch {
             begin_cycles,
             end_cycles,
             owner: was,
@@ -273,16 +278,15 @@ pub fn stretches(run: &Run<'_>) -> Vec<Stretch> {
         }
     }
     cut(run.stop.at_cycles, (IDLE_OWNER, NO_SOURCE));
-    found
 }
 
 /// Shares of the processor over the whole run; `background` are names of background threads.
 #[must_use]
 pub fn utilization(run: &Run<'_>, background: &BTreeSet<&str>) -> Utilization {
     let mut cycles: BTreeMap<i64, i64> = BTreeMap::new();
-    for stretch in stretches(run) {
+    each_stretch(run, |stretch| {
         *cycles.entry(stretch.owner).or_default() += stretch.end_cycles - stretch.begin_cycles;
-    }
+    });
     let total = cycles.values().sum::<i64>().max(1);
     let share = |owner: i64| cycles.get(&owner).copied().unwrap_or(0) as f64 / total as f64;
     let threads: Vec<f64> = (0..run.threads.len())
