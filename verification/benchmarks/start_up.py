@@ -24,6 +24,7 @@ START_UP = {
     "import of the command build": [*ALONE, "python", "-c", "import ravenbrick.cli.build"],
     "build of the vehicle, nothing changed": ["ravenbrick", "build", str(VEHICLE)],
     "design of the vehicle": ["ravenbrick", "design", str(VEHICLE)],
+    "run of the vehicle's drive of 20 s": ["ravenbrick", "run", str(VEHICLE), "drive", "--json"],
 }
 SCRIPTS = {name: str(ROOT / ".venv" / "bin" / name) for name in ("python", "ravenbrick")}
 BARE = {
