@@ -14,13 +14,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
+from ravenbrick.cli.app import app
 from ravenbrick.errors import UsageError
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.design_script import design_is_due, run_design
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.templates import TEMPLATES, create_project
+from ravenbrick.project.workspace import Workspace
 
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 SLOW = pytest.mark.long("builds and runs a template")
@@ -78,6 +81,22 @@ def test_a_project_made_anew_is_designed_anew(
         run_design(workspace)
         assert not design_is_due(workspace, settings)
         shutil.rmtree(workspace.project)
+
+
+def test_a_change_of_the_design_right_after_new_is_seen(tmp_path: Path) -> None:
+    """Within the same clock tick as the controller that was copied."""
+    assert (
+        CliRunner().invoke(app, ["new", str(tmp_path / "robot"), "--template", "motor"]).exit_code
+        == 0
+    )
+    workspace = Workspace.of(tmp_path / "robot")
+    settings = Settings.of(read_robot(workspace.project))
+    assert not design_is_due(workspace, settings)
+    script = workspace.project / "design.py"
+    copied_s = script.stat().st_mtime
+    script.write_text(script.read_text() + "\n")
+    os.utime(script, (copied_s, copied_s))
+    assert design_is_due(workspace, settings)
 
 
 @pytest.mark.parametrize("name", ["My Robot", "9lives", "robot!"])

@@ -13,6 +13,7 @@ import typer
 from ravenbrick.cli.app import JsonOption, command
 from ravenbrick.cli.console import Reporter
 from ravenbrick.errors import UsageError
+from ravenbrick.image.design_script import adopt_design
 from ravenbrick.project.templates import FROM_DIAGRAM, TEMPLATES, create_project
 from ravenbrick.project.workspace import Workspace, tree
 
@@ -59,6 +60,7 @@ def new_command(
         workspace = create_project(directory, template)
         scenario = TEMPLATES[template].scenario
     files = sorted(path for path in workspace.project.rglob("*") if path.is_file())
+    adopt_design(workspace)
     reporter = Reporter(json_output)
     reporter.print(f"{directory}: {len(files)} files of the template '{template}'")
     reporter.print(f"next: cd {directory} && make && ravenbrick run . {scenario}")

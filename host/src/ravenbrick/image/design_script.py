@@ -19,7 +19,7 @@ from ravenbrick.project.robot import ROBOT_FILE
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.subprocesses import run_child
 
-__all__ = ["DESIGN_SCRIPT", "design_is_due", "run_design"]
+__all__ = ["DESIGN_SCRIPT", "adopt_design", "design_is_due", "run_design"]
 
 DESIGN_SCRIPT = "design.py"
 # Files that were copied together are no older than one another.
@@ -67,6 +67,14 @@ def remember_design(workspace: Workspace, digest: str) -> None:
     """Record that the controller in generated/ is of the inputs with this digest."""
     with suppress(OSError):
         atomic_write(workspace.design_record, json.dumps({"script": digest}) + "\n")
+
+
+def adopt_design(workspace: Workspace) -> None:
+    """Record that the controller of a project just copied is of its design.py: the times of files
+    would not tell a change in the next two seconds."""
+    script = workspace.project / DESIGN_SCRIPT
+    if script.is_file():
+        remember_design(workspace, _digest(script))
 
 
 def run_design(workspace: Workspace) -> None:

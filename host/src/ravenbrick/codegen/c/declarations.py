@@ -373,8 +373,8 @@ def _between_commas(words: Sequence[str]) -> list[list[str]]:
 
 
 def _without_lengths(words: Sequence[str]) -> list[str]:
-    """The words before the first bracket that follows another word."""
-    return list(words[: words.index("[", 1)] if "[" in words[1:] else words)
+    """The words before the first bracket."""
+    return list(words[: words.index("[")] if "[" in words else words)
 
 
 def _declarations(words: Sequence[str]) -> list[list[str]]:
