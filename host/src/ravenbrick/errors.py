@@ -63,7 +63,7 @@ class ExitCode(IntEnum):
     BRICK_DIFFERS = 13, "The brick differs from the virtual brick; rows and parameters are named."
     DEADLINE_CAN_BE_MISSED = (
         14,
-        "A deadline can be missed, or a stack can overflow or has no bound.",
+        "A deadline can be missed, or a stack may overflow or has no bound.",
     )
     INTERRUPTED = 130, "Interrupted from the keyboard."
 
@@ -175,7 +175,7 @@ class InterruptError(RavenbrickError):
 
 
 class DeadlineError(RavenbrickError):
-    """A deadline can be missed, or a stack can overflow or has no bound; `data` holds the
+    """A deadline can be missed, or a stack may overflow or has no bound; `data` holds the
     analysis."""
 
     exit_code = ExitCode.DEADLINE_CAN_BE_MISSED
