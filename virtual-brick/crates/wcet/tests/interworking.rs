@@ -6,7 +6,8 @@ use crate::support::machine::Machine;
 use crate::support::random::Random;
 use crate::support::toolchain::{build, program};
 use crate::support::{check, check_exact, report};
-use wcet::{Image, MemoryMap, Request};
+use image::FlowPoint;
+use wcet::{AnnotationFile, Image, MemoryMap, Request};
 
 const LEVELS: [&str; 4] = ["-O0", "-O1", "-O2", "-Os"];
 
@@ -85,4 +86,45 @@ fn a_task_waits_in_a_function_that_it_reaches_over_a_veneer() {
         assert_eq!(job.error, None, "{level}");
         assert_eq!(job.released_by, ["arm_wait"], "{level}");
     }
+}
+
+#[test]
+fn a_loop_is_counted_in_its_own_code_though_a_round_ends_behind_a_veneer() {
+    let mut ends_with_calls = false;
+    for level in LEVELS {
+        let Some(elf) = elf(level) else { return };
+        let fact = "[[loop]]\nsymbol = \"thumb_polls\"\niterations = 6\n";
+        let request = Request {
+            annotations: vec![AnnotationFile {
+                name: "facts.toml".into(),
+                text: fact.into(),
+                own: true,
+            }],
+            functions: vec!["thumb_polls".into()],
+            counted: vec!["thumb_polls".into()],
+            ..Request::default()
+        };
+        let answers = request.answer(&elf, &MemoryMap::without_wait_states());
+        let counted = answers.unwrap().counted;
+        let points: Vec<FlowPoint> = counted.iter().map(|fact| fact.point.clone()).collect();
+        let [FlowPoint::Loop {
+            entries,
+            repeats,
+            calls,
+            ..
+        }] = &points[..]
+        else {
+            panic!("{level}: {counted:?}");
+        };
+        ends_with_calls |= !calls.is_empty();
+        let image = Image::read(&elf).unwrap();
+        for address in entries.iter().chain(repeats) {
+            assert_eq!(
+                image.name_at(*address),
+                "thumb_polls",
+                "{level} {address:#x}"
+            );
+        }
+    }
+    assert!(ends_with_calls, "no round ends behind a veneer");
 }
