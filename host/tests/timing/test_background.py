@@ -22,9 +22,9 @@ from verification.support.timing.programs import Subject, analysed, subject
 from ravenbrick.timing.analysis import Analysis, known_facts
 from ravenbrick.timing.background import main_symbol
 from ravenbrick.timing.bounds import ExecutionTimeError, stack_bounds
-from ravenbrick.timing.observation.observed import check_stacks, exceeded, observe, used_stacks
+from ravenbrick.timing.observation.observed import exceeded, observe, used_stacks
 from ravenbrick.timing.results.result import advice, result_of
-from ravenbrick.timing.results.stacks import stacks_of
+from ravenbrick.timing.results.stacks import check_stacks, stacks_of
 from ravenbrick.timing.scheduled_tasks import PREEMPTION_BYTES
 
 FOLDER = "background"
@@ -124,14 +124,15 @@ def test_the_stack_bound_of_a_background_main_covers_the_elaboration() -> None:
     """A bound of the main procedure alone lies below what the program uses before it."""
     program, analysis = _analysed("idle_main")
     recording = program.run()
-    stacks = {each["name"]: each for each in stacks_of(analysis, used_stacks(recording))}
+    used = used_stacks(recording)
+    stacks = {each["name"]: each for each in stacks_of(analysis, used)}
     whole = stacks["environment"]
     _, annotations = known_facts(program.robot, program.image, program.facts)
     (alone,) = stack_bounds(program.image.content, [main_symbol(program.image)], annotations)
     assert alone.bytes is not None and whole["verdict"] == "suffices"
     assert alone.bytes + PREEMPTION_BYTES < whole["used_bytes"] <= whole["bound_bytes"]
-    check_stacks(analysis, recording)
+    check_stacks(stacks_of(analysis, used))
     of_main = replace(analysis.environment, bound=alone)
     wrong = replace(analysis, background=analysis.background.with_stacks(of_main))
     with pytest.raises(ExecutionTimeError, match=r"environment showed a stack of \d+, above its"):
-        check_stacks(wrong, recording)
+        check_stacks(stacks_of(wrong, used))

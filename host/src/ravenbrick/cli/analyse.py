@@ -38,7 +38,6 @@ from ravenbrick.timing.observation.observed import (
     check_bounds,
     check_event_rates,
     check_job_kinds,
-    check_stacks,
     observe,
     used_stacks,
     worst_job,
@@ -62,7 +61,7 @@ from ravenbrick.timing.results.report import (
     write_timing_report,
 )
 from ravenbrick.timing.results.result import advice, microseconds, result_of
-from ravenbrick.timing.results.stacks import MAY_OVERFLOW
+from ravenbrick.timing.results.stacks import MAY_OVERFLOW, check_stacks
 from ravenbrick.timing.results.task_set_file import task_set_text
 from ravenbrick.timing.results.worst_path import worst_paths
 from ravenbrick.timing.scheduled_tasks import STOLEN_CYCLES
@@ -327,7 +326,6 @@ def analyse_command(
     found = _search(robot, chosen, elf, recording, wanted, target, reporter)
     counts = _check_facts(robot, facts, elf, analysis, recording, found, wanted[2])
     check_bounds(analysis, found.seen, found.more.get("long_run"))
-    check_stacks(analysis, recording)
     loop = read_loop(workspace.design_file)
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
     result = {
@@ -339,6 +337,7 @@ def analyse_command(
         "facts": [count.plain() for count in counts],
         **found.more,
     }
+    check_stacks(result["stacks"])
     notes = _chain_notes(chains, result, directory)
     with reporter.step(f"run '{chosen.name}' again for the paths of its longest jobs"):
         runs = paths_of_longest_jobs(robot, chosen, elf, target, recording, wanted[2])

@@ -17,43 +17,45 @@ fn kernel() -> Vec<AnnotationFile> {
     }]
 }
 
-#[test]
-fn a_loop_in_a_protected_action_counts_as_often_as_it_runs_wherever_the_action_begins() {
+fn in_each_state(check: impl Fn(&str, &[u8])) {
     for state in STATES {
         let sources = [program("critical_sections.c")];
         let Some(elf) = build("critical_sections", &sources, &[state, "-O0"]) else {
             return;
         };
+        check(state, &elf);
+    }
+}
+
+#[test]
+fn a_loop_in_a_protected_action_counts_as_often_as_it_runs_wherever_the_action_begins() {
+    in_each_state(|state, elf| {
         let names = ["never_leads_into_the_loop", "leaves_in_the_loop"];
         let request = Request {
             annotations: kernel(),
             functions: names.map(str::to_owned).to_vec(),
             ..Request::default()
         };
-        let answers = request.answer(&elf, &MemoryMap::without_wait_states());
+        let answers = request.answer(elf, &MemoryMap::without_wait_states());
         for answer in answers.unwrap().functions {
             assert_eq!(answer.error, None, "{state}");
             let symbol = &answer.symbol;
             let longest = answer.critical_sections.iter().map(|(_, cycles)| *cycles);
             let longest = longest.max().expect(symbol);
             // Nothing yields: the action lasts from its first call to its last.
-            let seen = Machine::new(&elf).call(symbol, [0; 4]).cycles;
+            let seen = Machine::new(elf).call(symbol, [0; 4]).cycles;
             let range = seen - 100..=answer.cycles;
             assert!(
                 range.contains(&longest),
                 "{state} {symbol}: {longest}, expected {range:?}"
             );
         }
-    }
+    });
 }
 
 #[test]
 fn a_stack_is_bounded_also_of_what_has_no_bound_in_time() {
-    for state in STATES {
-        let sources = [program("critical_sections.c")];
-        let Some(elf) = build("critical_sections", &sources, &[state, "-O0"]) else {
-            return;
-        };
+    in_each_state(|state, elf| {
         let asked = vec!["elaborates_and_goes_on".to_owned()];
         let request = Request {
             annotations: kernel(),
@@ -61,19 +63,19 @@ fn a_stack_is_bounded_also_of_what_has_no_bound_in_time() {
             stacks: asked,
             ..Request::default()
         };
-        let answers = request.answer(&elf, &MemoryMap::without_wait_states());
+        let answers = request.answer(elf, &MemoryMap::without_wait_states());
         let answers = answers.unwrap();
         let refused = answers.background[0].error.as_deref().unwrap_or_default();
         assert!(refused.contains("no bound"), "{state}: {refused}");
         let stack = &answers.stacks[0];
         assert_eq!(stack.error, None, "{state}");
         // `yields` is 0, so this call ends; the caller has a frame around it.
-        let called = Machine::new(&elf).call("waits_in_an_action", [3, 0, 0, 0]);
+        let called = Machine::new(elf).call("waits_in_an_action", [3, 0, 0, 0]);
         let bound = stack.stack_bytes.expect("a stack bound");
         let range = called.stack_bytes + 8..=called.stack_bytes + 40;
         assert!(
             range.contains(&bound),
             "{state}: {bound}, expected {range:?}"
         );
-    }
+    });
 }

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +20,6 @@ from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts import Facts
 from ravenbrick.timing.initial_state import ALARM_SOURCE, ENVIRONMENT
 from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
-from ravenbrick.timing.results.stacks import stacks_of
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, all_jobs, cyclic_begin_cycles, jobs_of
@@ -30,11 +30,11 @@ __all__ = [
     "check_bounds",
     "check_event_rates",
     "check_job_kinds",
-    "check_stacks",
     "exceeded",
     "longest_jobs",
     "observe",
     "ratio",
+    "refuse_exceeded",
     "used_stacks",
     "worst_job",
 ]
@@ -301,11 +301,8 @@ def exceeded(
     return found
 
 
-def check_bounds(
-    analysis: Analysis, observed: dict[str, Observed], long_run: dict[str, Any] | None = None
-) -> None:
-    """Raise `ExecutionTimeError` when something seen lies above its bound."""
-    found = exceeded(analysis, observed, long_run)
+def refuse_exceeded(found: Sequence[str]) -> None:
+    """Raise `ExecutionTimeError` with the observations above their bounds, if there are any."""
     if found:
         raise ExecutionTimeError(
             f"{found[0]}; a fact in timing.toml does not hold, or the analysis is wrong",
@@ -313,19 +310,14 @@ def check_bounds(
         )
 
 
+def check_bounds(
+    analysis: Analysis, observed: dict[str, Observed], long_run: dict[str, Any] | None = None
+) -> None:
+    """Raise `ExecutionTimeError` when something seen lies above its bound."""
+    refuse_exceeded(exceeded(analysis, observed, long_run))
+
+
 def used_stacks(recording: Recording) -> dict[str, int]:
     """What a run used of each thread's stack, in bytes, by its name in lower case. That of the
     environment task counts from the start of the program on."""
     return {thread.name.lower(): thread.stack_used_bytes for thread in recording.threads}
-
-
-def check_stacks(analysis: Analysis, recording: Recording) -> None:
-    """Raise `ExecutionTimeError` when a run used more of a stack than its bound, also of that of
-    the environment task and of background tasks."""
-    for stack in stacks_of(analysis, used_stacks(recording)):
-        used, bound = stack["used_bytes"], stack["bound_bytes"]
-        if used is not None and bound is not None and used > bound:
-            raise ExecutionTimeError(
-                f"{stack['name']} showed a stack of {used}, above its bound of {bound}; a fact in "
-                "timing.toml does not hold, or the analysis is wrong"
-            )

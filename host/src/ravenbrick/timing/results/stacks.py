@@ -11,12 +11,14 @@ from typing import Any
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.facts import TIMING_FILE
 from ravenbrick.timing.initial_state import ENVIRONMENT
+from ravenbrick.timing.observation.observed import refuse_exceeded
 from ravenbrick.timing.scheduled_tasks import PREEMPTION_BYTES, deepest_stack
 
 __all__ = [
     "MAY_OVERFLOW",
     "NO_BOUND",
     "SUFFICES",
+    "check_stacks",
     "stack_lines",
     "stack_of",
     "stacks_of",
@@ -107,6 +109,20 @@ def _without_bound(name: str, size: int, lost: str | None, gap: str | None) -> s
         "such as a string chosen by an 'if' expression; choose by an 'if' statement, or give the "
         f"object a constant size; if the line is never executed, state in {TIMING_FILE}: "
         f'[[never]] file = "{file.rpartition("/")[2]}", line = {line}, reason = "..."'
+    )
+
+
+def check_stacks(stacks: Sequence[dict[str, Any]]) -> None:
+    """Raise `ExecutionTimeError` when a run used more of a stack than its bound, also of that of
+    the environment task and of background tasks."""
+    refuse_exceeded(
+        [
+            f"{name} showed a stack of {used}, above its bound of {bound}"
+            for name, used, bound in (
+                (s["name"], s["used_bytes"], s["bound_bytes"]) for s in stacks
+            )
+            if used is not None and bound is not None and used > bound
+        ]
     )
 
 
