@@ -237,7 +237,7 @@ class InteractiveDesign:
         for loop, colour, mark in ((self._begun, _BEFORE, "+"), (self.loop, _OWN, "x")):
             poles = loop.sampled.poles()
             axis.plot(poles.real, poles.imag, mark, color=colour, markersize=8)
-        several = f", of {1000 * self.loop.period:g} ms: all rates" if self._several else ""
+        several = f", period of {1000 * self.loop.period:g} ms" if self._several else ""
         axis.set_title(f"poles of the closed loop (z{several})", fontsize=10)
 
     def _draw_step(self) -> None:
