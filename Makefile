@@ -52,7 +52,7 @@ TOGETHER = $(MAKE) --no-print-directory --jobs=$(JOBS) --keep-going --output-syn
 
 .PHONY: test
 test: develop ## Run all tests
-	@$(TOGETHER) test-rust style $(PYTHON_GROUPS) test-page
+	@$(TOGETHER) test-rust test-page $(PYTHON_GROUPS) style
 
 .PHONY: style
 style: ## Check style, types, spelling, borders between the parts, and generated tables
@@ -70,8 +70,8 @@ test-rust: ## Tests of the virtual brick's crates
 	@$(CARGO) test $(CARGO_OPTIONS) --quiet --no-fail-fast --workspace --lib --bins --tests \
 		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
-# Groups of about the same length, the longest first.
-PYTHON_GROUPS := test-host test-control test-brick test-commands test-tools
+# The longest first, and those that wait for links and clocks before those that compute.
+PYTHON_GROUPS := test-brick test-host test-commands test-control test-tools
 .PHONY: test-python built $(PYTHON_GROUPS)
 test-python: ## Tests of the host package, tools, run-time, drivers and examples
 	@$(TOGETHER) $(PYTHON_GROUPS)
@@ -110,11 +110,23 @@ bench: complete ## Benchmarks with peers; writes verification/benchmarks/results
 .PHONY: docs
 docs: setup ## Build the documentation site and the lab sheets as PDF in docs/_build
 	@.venv/bin/pip install --quiet --disable-pip-version-check -r tools/requirements/docs.txt
-	@$(PYTHON) -m sphinx -q -W --keep-going -b html docs docs/_build/html
-	@$(PYTHON) -m tools.docs.site.build docs/_build/html
+	@$(TOGETHER) docs-sheets docs-bricks
+	@rm -rf docs/_build/html/_static/brick*
+	@cp -r docs/_build/bricks/. docs/_build/html
+	@$(PYTHON) -m tools.docs.site.offline docs/_build/html
 	@$(PYTHON) -m tools.docs.site_links docs/_build/html
-	@$(PYTHON) -m tools.docs.sheets_pdf docs/_build/lab-sheets.pdf
 	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
+
+.PHONY: docs-pages docs-sheets docs-bricks
+docs-pages:
+	@env -u MAKEFLAGS $(PYTHON) -m sphinx -q -W --keep-going -b html docs docs/_build/html
+
+# With the pictures that the pages make.
+docs-sheets: docs-pages
+	@env -u MAKEFLAGS $(PYTHON) -m tools.docs.sheets_pdf docs/_build/lab-sheets.pdf
+
+docs-bricks:
+	@env -u MAKEFLAGS $(PYTHON) -m tools.docs.site.build docs/_build/bricks
 
 .PHONY: teaching
 teaching: docs ## Build the lecturer's site, with slides, in docs/_build/teaching

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The running bricks of the site: `python -m tools.docs.site.build docs/_build/html`.
+"""The running bricks of the site: `python -m tools.docs.site.build FOLDER`.
 
 Builds and analyses the image of every directive `brick`, runs it once natively, and writes one
 folder for each beside the page of `ravenbrick view`. Places with the same image share the folder.
+It needs no page of the documentation, so it can be done while those are built.
 """
 
 from __future__ import annotations
@@ -28,14 +29,8 @@ from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.results.bounds_file import own_bounds
 
 from tools.docs.lessons import ROOT, run_text
-from tools.docs.site.bricks import (
-    EXAMPLES,
-    PAGE_FOLDER,
-    SHOWN_FOLDER,
-    Shown,
-    shown_on,
-)
-from tools.docs.site.offline import write_offline
+from tools.docs.site.bricks import EXAMPLES, PAGE_FOLDER, SHOWN_FOLDER, Shown, shown_on
+from tools.docs.site.offline import WORKER
 
 __all__ = ["all_shown", "build_site"]
 
@@ -114,7 +109,7 @@ def _write_brick(shown: Shown, folder: Path, site: Path) -> None:
 
 
 def build_site(site: Path, bricks: Iterable[Shown]) -> None:
-    """Write the page, the bricks and the service worker into the built site."""
+    """Write the page and the bricks, each into its folder of the site."""
     bricks = list(bricks)
     folders = {shown.name: project_of(shown) for shown in bricks}
     with ThreadPoolExecutor(AT_ONCE) as pool:
@@ -122,10 +117,8 @@ def build_site(site: Path, bricks: Iterable[Shown]) -> None:
     shutil.rmtree(site / SHOWN_FOLDER, ignore_errors=True)
     for shown in bricks:
         _write_brick(shown, folders[shown.name], site)
-    page = page_files()
-    worker = page.pop("offline.js")
+    page = {name: content for name, content in page_files().items() if name != WORKER}
     _write(page, site / PAGE_FOLDER)
-    write_offline(site, worker)
 
 
 def main(folder: str) -> int:

@@ -1,17 +1,22 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The site without a network: the service worker in its root, and the list of what it keeps."""
+"""The site without a network: `python -m tools.docs.site.offline docs/_build/html`.
+
+Writes the service worker into the root of the whole site, and the list of what it keeps.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from pathlib import Path
 
 from ravenbrick.atomic_write import atomic_write
+from ravenbrick.cli.view import page_files
 from ravenbrick.packed_files import SCRIPT
 
-__all__ = ["kept_files", "write_offline"]
+__all__ = ["WORKER", "kept_files"]
 
 WORKER, KEPT = "offline.js", "offline.json"
 # Copies for the disk, sources of the pages, and what Sphinx writes for itself.
@@ -29,7 +34,13 @@ def kept_files(site: Path) -> dict[str, str]:
     return found
 
 
-def write_offline(site: Path, worker: bytes) -> None:
-    """The page's service worker, for the whole site, and the list that it reads."""
+def main(folder: str) -> int:
+    """Write both; the worker is that of the page of `ravenbrick view`."""
+    site = Path(folder)
     atomic_write(site / KEPT, json.dumps(kept_files(site), indent=1) + "\n")
-    atomic_write(site / WORKER, worker)
+    atomic_write(site / WORKER, page_files()[WORKER])
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
