@@ -39,13 +39,15 @@ class NotRunError(Exception):
 class Counts:
     """Cases of a suite, those that passed, and those left out: `count` and `reason` each.
 
-    `failures` has a line for each case that failed, as far as the suite knows which.
+    `failures` has a line for each case that failed, as far as the suite knows which; `measured` a
+    sentence for what was measured beside the cases and not judged.
     """
 
     case_count: int
     passed: int
     excluded: list[Row] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
+    measured: list[str] = field(default_factory=list)
 
     @property
     def judged(self) -> int:

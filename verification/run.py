@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from tools.docs import tables
-from tools.docs.tables import merge_rows, read_rows
+from tools.docs.tables import OPTIONAL_KEYS, merge_rows, read_rows
 from verification.jobs import Answer, begin_order, grouped, run_jobs
 from verification.outside import FetchError, fetch
 from verification.table import BENCHMARKS, SUITES, Suite, TableError, chosen, read_suites
@@ -60,6 +60,7 @@ def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
             "date": today(),
             **{key: counts[key] for key in ("case_count", "passed", "excluded")},
             **{key: answer[key] for key in ("elapsed_s", "processor_s")},
+            **{key: counts[key] for key in OPTIONAL_KEYS if counts.get(key)},
             "note": "" if passed else short(f"failed: {'; '.join(failures)}"),
         }
     empty: Row = {"case_count": 0, "passed": 0, "excluded": [], "elapsed_s": 0, "processor_s": 0}

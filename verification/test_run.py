@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import time
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -127,6 +128,14 @@ def test_a_row_is_kept_with_its_date_and_the_reason() -> None:
     tests = Suite("cpu", "one", "own", "itself", "pytest", ("verification",))
     row = suite_row(tests, answer, LAST)
     assert row["passed"] == 9 and "only 1 cases can run: no data" in row["note"]
+
+
+def test_a_row_has_what_its_suite_measured() -> None:
+    """As a field of its own, which rows of other suites lack."""
+    for measured in ([], ["a robot moves after 2 s"]):
+        counts = asdict(Counts(2, 2, measured=measured))
+        answer = {"counts": counts, "judged": 2, "elapsed_s": 1.0, "processor_s": 1.0}
+        assert suite_row(suite("one"), answer, None).get("measured", []) == measured
 
 
 def test_suites_of_a_job_stay_together_and_long_ones_begin_first() -> None:

@@ -40,6 +40,9 @@ SPEED_WINDOW = 8
 # takes another 0.3 ms.
 ACTUATOR_DELAY = 0.0023
 
+# Of a step of the set-point, to within 2 %.
+SETTLING_TIME = 0.4
+
 # Of the charged battery; at run time the application sets it to what it measures.
 SUPPLY_VOLTAGE = ROBOT.battery.voltage.value
 
@@ -55,7 +58,7 @@ def design() -> Design:
 
     # 3. What it must do, and what is in it besides the motor.
     wanted = LoopSpecification(
-        settling_time=0.4,
+        settling_time=SETTLING_TIME,
         overshoot=0.005,
         sample_time=SAMPLE_TIME_MS / 1000,
         window=SPEED_WINDOW,

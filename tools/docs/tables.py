@@ -18,7 +18,14 @@ from tools.docs.mutation_page import mutation_page
 from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page, witness_page
 from verification.table import SUITES, Suite, read_suites
 
-__all__ = ["benchmark_table", "merge_rows", "read_rows", "suites_table", "write_rows"]
+__all__ = [
+    "OPTIONAL_KEYS",
+    "benchmark_table",
+    "merge_rows",
+    "read_rows",
+    "suites_table",
+    "write_rows",
+]
 
 ROOT = Path(__file__).resolve().parents[2]
 Row = dict[str, Any]
@@ -26,6 +33,7 @@ SUITE_KEYS = {
     *("area", "suite", "case_count", "passed", "excluded"),
     *("date", "elapsed_s", "processor_s", "note"),
 }
+OPTIONAL_KEYS = ("measured",)
 
 
 def _check_keys(rows: list[Row], keys: set[str], name: str) -> None:
@@ -51,11 +59,13 @@ def _run(row: Row) -> str:
 
 
 def suites_table(rows: list[Row], suites: list[Suite]) -> str:
-    """Table of suites: cases, passed, excluded with reasons; what each is compared with.
+    """Table of suites: cases, passed, excluded with reasons; what each is compared with. Below it
+    what suites measured beside their cases.
 
     Raises SystemExit for a row that is not a suite's: it was renamed or has left the table.
     """
-    _check_keys(rows, SUITE_KEYS, "suites")
+    cases = [{k: row[k] for k in row if k not in OPTIONAL_KEYS} for row in rows]
+    _check_keys(cases, SUITE_KEYS, "suites")
     known = {row["suite"]: row for row in rows}
     if unknown := sorted(set(known) - {suite.name for suite in suites}):
         raise SystemExit(f"results.json: not in suites.toml: {', '.join(unknown)}")
@@ -80,6 +90,12 @@ def suites_table(rows: list[Row], suites: list[Suite]) -> str:
         figures = [str(row["case_count"]), str(row["passed"]), excluded, _run(row)]
         times = [row[key] / 60 for key in ("elapsed_s", "processor_s")]
         lines.append(_row([*head, *figures, "{:.1f} ({:.1f})".format(*times) if times[0] else ""]))
+    measured = [
+        (s.name, text) for s in suites for text in known.get(s.name, {}).get("measured", ())
+    ]
+    if measured:
+        lines += ["", "## Measured, not judged", ""]
+        lines += [f"- *{name}*: {text}." for name, text in measured]
     return "\n".join(lines) + "\n"
 
 

@@ -35,6 +35,13 @@ def test_a_suite_is_a_row_with_its_exclusions() -> None:
     assert row in suites_table([SUITE], [ENTRY])
 
 
+def test_what_a_suite_measured_beside_its_cases_stands_below_the_table() -> None:
+    """A row without it leaves no heading."""
+    page = suites_table([{**SUITE, "measured": ["a core needs 3 s"]}], [ENTRY])
+    assert page.endswith("\n\n## Measured, not judged\n\n- *single-step*: a core needs 3 s.\n")
+    assert "Measured" not in suites_table([SUITE], [ENTRY])
+
+
 def test_a_suite_that_failed_or_did_not_run_is_marked() -> None:
     """The figures of its last run stand with their date, the reason beside them."""
     row = {**SUITE, "note": "2026-11-30: failed: no compiler"}

@@ -20,13 +20,9 @@ def test_loads_of_the_first_page_stand_in_the_row_and_leave_no_case_out() -> Non
     quick = case(firstRobot={"rate": 1, "seconds": 1.2, "bytes": 1_745_000})
     counts = counts_of_site([case(), slow, quick])
     assert counts.case_count == counts.passed == counts.judged == 3
-    assert counts.excluded == [
-        {
-            "count": 0,
-            "reason": "no case, but measured: the first page's robot moves after 1.2 s with this "
-            "processor, after 3.9 s with one 4 times slower, as a phone's; 1.75 MB are loaded "
-            "until then, packed",
-        }
+    assert not counts.excluded and counts.measured == [
+        "the first page's robot moves after 1.2 s with this processor, after 3.9 s with one 4 "
+        "times slower, as a phone's; 1.75 MB are loaded until then, packed"
     ]
 
 
@@ -34,4 +30,6 @@ def test_failed_and_skipped_cases_of_the_site_are_not_passed() -> None:
     """A load is not judged: a failed case has none."""
     counts = counts_of_site([case(), case("failed"), case("skipped")])
     assert (counts.case_count, counts.passed, counts.judged) == (3, 1, 2)
-    assert counts.failures == ["a brick moves"] and len(counts.excluded) == 1
+    assert (
+        counts.failures == ["a brick moves"] and len(counts.excluded) == 1 and not counts.measured
+    )

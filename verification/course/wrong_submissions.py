@@ -54,12 +54,14 @@ def solution_in(solved: Path) -> Path:
 
 
 def solved_in(folder: Path, sheet: Path) -> Path:
-    """Where in the folder the sheet and its solution were executed, or are now."""
-    solved = folder / sheet.stem
+    """Where in the folder the sheet and its solution were executed to the end, or are now."""
+    solved, begun = folder / sheet.stem, folder / f"{sheet.stem}.begun"
     if not solved.is_dir():
-        solved.mkdir(parents=True)
-        run_sheet(sheet, solved)
-        run_solution(sheet, solved)
+        shutil.rmtree(begun, ignore_errors=True)
+        begun.mkdir(parents=True)
+        run_sheet(sheet, begun)
+        run_solution(sheet, begun)
+        begun.rename(solved)
     return solved
 
 

@@ -94,6 +94,7 @@ def test_a_recording_of_a_motor_becomes_a_record(self_test: ElfImage, tmp_path: 
         ("live.npz", (), "a recording needs --image and --volts"),
         ("live.npz", ("--volts", "90"), "battery.voltage_V: is 90.0; expected at most 12"),
         ("live.npz", ("--volts", "8", "--on", "today"), "taken.on: is no day"),
+        ("live.npz", ("--volts", "8", "--battery", "coal"), "battery.kind: is 'coal'; expected"),
         ("live.npz", ("--volts", "8", "--signals", "x"), "expected VOLTAGE:ANGLE"),
         ("none.jsonl", (), "none.jsonl: cannot be read"),
     ],

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 from ravenbrick.cli.app import app
 from ravenbrick.errors import UsageError
 from ravenbrick.image.build_settings import Settings
-from ravenbrick.image.design_script import design_is_due, run_design
+from ravenbrick.image.design_script import adopt_design, design_is_due, run_design
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario
 from ravenbrick.project.templates import TEMPLATES, create_project
@@ -65,6 +65,9 @@ def test_what_exists_is_never_touched(kind: str, tmp_path: Path) -> None:
     assert there.read_text() == "mine" if kind == "file" else not any(there.iterdir())
 
 
+DESIGN = "from pathlib import Path\nPath('generated/controller_design.ads').write_text('-- %s')\n"
+
+
 def test_a_project_made_anew_is_designed_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -73,7 +76,7 @@ def test_a_project_made_anew_is_designed_anew(
     for _ in range(2):
         workspace = create_project(tmp_path / "robot", "motor")
         script = workspace.project / "design.py"
-        script.write_text("import sys\n")
+        script.write_text(DESIGN % "anew")
         later_s = script.stat().st_mtime + 60
         os.utime(script, (later_s, later_s))
         settings = Settings.of(read_robot(workspace.project))
@@ -81,6 +84,24 @@ def test_a_project_made_anew_is_designed_anew(
         run_design(workspace)
         assert not design_is_due(workspace, settings)
         shutil.rmtree(workspace.project)
+
+
+def test_projects_of_one_name_do_not_take_the_others_design_for_theirs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where they share the folder of products, whichever was designed last."""
+    monkeypatch.setenv("RAVENBRICK_BUILD", str(tmp_path / "products"))
+    mine, other = (create_project(tmp_path / name / "robot", "motor") for name in ("a", "b"))
+    settings = {w.project: Settings.of(read_robot(w.project)) for w in (mine, other)}
+    for workspace in (mine, other):
+        (workspace.project / "design.py").write_text(DESIGN % "the same")
+    run_design(mine)
+    mine.design_file.write_text("{}")
+    assert not design_is_due(mine, settings[mine.project])
+    assert design_is_due(other, settings[other.project])
+    adopt_design(other)
+    assert not mine.design_file.exists()
+    assert design_is_due(mine, settings[mine.project])
 
 
 def test_a_change_of_the_design_right_after_new_is_seen(tmp_path: Path) -> None:

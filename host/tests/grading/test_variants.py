@@ -210,10 +210,18 @@ def test_a_list_may_have_names_with_commas_and_a_mark_of_its_encoding(tmp_path: 
     assert read_class(tmp_path / "class.csv") == ["z1"]
 
 
-def test_expressions_know_numbers_names_and_four_operators_only() -> None:
+def test_rubrics_of_one_sheet_give_a_student_the_same_numbers() -> None:
+    """The milestones of a project, which one program has to pass."""
+    third, fourth = (rubric(f"lab-16-{number}").variant(KEY, "s01").numbers for number in (3, 4))
+    assert third == fourth != rubric("lab-16-3").variant(KEY, "s02").numbers
+
+
+def test_expressions_know_numbers_names_and_five_operators_only() -> None:
     """Nothing else of Python."""
     assert filled("x between {a * 2 - 1} and {a / 4}", {"a": 2.0}) == "x between 3 and 0.5"
-    for text in ("{__import__('os')}", "{b}", "{a ** 2}", "{a / 0}", "{a.real}", "{a +}"):
+    assert filled("x at most {(8 * a) ** 0.5}", {"a": 2.0}) == "x at most 4"
+    wrong = ("{__import__('os')}", "{b}", "{a % 2}", "{a / 0}", "{a.real}", "{a +}")
+    for text in (*wrong, "{a ** 2000}", "{(0 - a) ** 0.5}"):
         with pytest.raises(ValueError, match=r"expected numbers|has no value"):
             filled(text, {"a": 2.0})
 

@@ -208,15 +208,18 @@ DESIGN = "from pathlib import Path\nPath('generated').mkdir(exist_ok=True)\n"
 
 
 def test_design_runs_once_and_when_it_has_changed(workspace: Workspace, robot: Robot) -> None:
-    """Its content counts; what it wrote is not written over for nothing."""
+    """Contents count, its own and that of what it wrote, which is not written for nothing."""
     script, made = workspace.project / "design.py", workspace.project / "generated" / "functional.c"
     script.write_text(DESIGN + "Path('generated/functional.c').write_text('one')\n")
     build_image(workspace, robot, "ram")
     assert made.read_text() == "one"
-    made.write_text("kept")
+    written_ns = made.stat().st_mtime_ns
     script.touch()
     build_image(workspace, robot, "ram")
-    assert made.read_text() == "kept"
+    assert made.stat().st_mtime_ns == written_ns
+    made.write_text("of another design")
+    build_image(workspace, robot, "ram")
+    assert made.read_text() == "one"
     script.write_text(script.read_text().replace("one", "two"))
     build_image(workspace, robot, "ram")
     assert made.read_text() == "two"

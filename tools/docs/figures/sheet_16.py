@@ -15,7 +15,7 @@ SPEED = math.radians(4 * 116.0)
 
 def _design(settling_time: float) -> Edits:
     """Of the template `vehicle`: a design for another settling time."""
-    return {"design.py": [("settling_time=0.4,", f"settling_time={settling_time},")]}
+    return {"design.py": [("SETTLING_TIME = 0.4", f"SETTLING_TIME = {settling_time}")]}
 
 
 def step() -> str:

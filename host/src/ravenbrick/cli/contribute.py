@@ -17,20 +17,13 @@ from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.image.elf import read_image
 from ravenbrick.open_data.data_record import LICENCE, write_data_record
 from ravenbrick.open_data.making import SELF_TEST, Origin, of_motor, of_self_test
+from ravenbrick.schemas import schema
 from ravenbrick.self_test.record import read_record, recorded_image
 from ravenbrick.trace.recording import Recording
 
 __all__ = ["contribute_command"]
 
-
-class Battery(StrEnum):
-    """What is in the brick."""
-
-    LI_ION = "li_ion"
-    ALKALINE = "alkaline"
-    NIMH = "nimh"
-    LITHIUM = "lithium"
-    OTHER = "other"
+BATTERIES = ", ".join(schema("record")["properties"]["battery"]["properties"]["kind"]["enum"])
 
 
 class MotorRecord(StrEnum):
@@ -56,7 +49,7 @@ def _of_recording(
 def contribute_command(
     source: Annotated[Path, typer.Argument(help="Self-test (.jsonl) or live recording (.npz).")],
     by: Annotated[str, typer.Option(help="Name of whoever took it, as it shall be published.")],
-    battery: Annotated[Battery, typer.Option(help="Battery in the brick.")],
+    battery: Annotated[str, typer.Option(help=f"Battery in the brick: {BATTERIES}.")],
     description: Annotated[str, typer.Option(help="Text about brick and motors.")] = "NXT",
     on: Annotated[str | None, typer.Option(help="Day, YYYY-MM-DD (default: today).")] = None,
     kind: Annotated[
@@ -88,7 +81,7 @@ def contribute_command(
         brick = "real" if taken.source == "usb" else "virtual"
         if brick == "virtual":
             description = f"{description} ({taken.source})"
-    origin = Origin(description, brick, program, ran, battery.value, by, day)
+    origin = Origin(description, brick, program, ran, battery, by, day)
     if source.suffix == ".npz":
         values = _of_recording(source, kind, signals, motor, volts or 0.0, origin)
     else:

@@ -96,7 +96,8 @@ class Rubric:
         """The student's robot and numbers; raises `UsageError` where all have the same."""
         if self.individual is None:
             raise UsageError(f"the rubric '{self.name}' has no table [individual]")
-        return drawn_variant(self.robot, self.individual, key, self.name, student)
+        sheet = self.individual.sheet or self.name
+        return drawn_variant(self.robot, self.individual, key, sheet, student)
 
     def of(self, variant: Variant) -> Rubric:
         """This rubric with the variant's robot, its robot.toml and its numbers."""

@@ -49,11 +49,21 @@ DIGITS = 6
 _RIGID = ("backlash",)
 _KEY = re.compile(rf"[0-9a-f]{{{2 * KEY_BYTES}}}\Z")
 _PLACE = re.compile(r"\{([^{}]+)\}")
+
+
+def _power(base: float, exponent: float) -> float:
+    try:
+        return math.pow(base, exponent)
+    except ValueError as error:
+        raise ArithmeticError("a root of a negative number, or zero divides") from error
+
+
 _OPERATORS: Mapping[type, Callable[[float, float], float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
+    ast.Pow: _power,
 }
 
 
@@ -86,7 +96,8 @@ class Individual:
 
     `hidden`: the motors' constants are the ones to be found, so the student's robot.toml has the
     catalogue's and the student gets recordings of the scenarios `records`. A submission with a
-    wrong answer about own numbers keeps at most `share_without_own_answers` of the points.
+    wrong answer about own numbers keeps at most `share_without_own_answers` of the points. Rubrics
+    with the same `sheet` give a student the same numbers.
     """
 
     motors: tuple[str, ...] = ()
@@ -97,6 +108,7 @@ class Individual:
     numbers: tuple[OwnNumber, ...] = ()
     design: Mapping[str, str] = field(default_factory=dict)
     share_without_own_answers: float = 1.0
+    sheet: str = ""
 
 
 @dataclass(frozen=True)
@@ -126,6 +138,7 @@ def individual_of(table: Mapping[str, Any]) -> Individual:
         numbers=numbers,
         design=dict(table.get("design", {})),
         share_without_own_answers=float(table.get("share_without_own_answers", 1.0)),
+        sheet=table.get("sheet", ""),
     )
 
 
@@ -301,7 +314,7 @@ def middle_variant(robot: Robot, individual: Individual) -> Variant:
 
 
 def _value(expression: str, facts: Mapping[str, float]) -> float:
-    """A sum, difference, product or quotient of facts and numbers; raises `ValueError`."""
+    """A sum, difference, product, quotient or power of facts and numbers; raises `ValueError`."""
 
     def of(node: ast.expr) -> float:
         if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
@@ -311,13 +324,13 @@ def _value(expression: str, facts: Mapping[str, float]) -> float:
         if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
             return _OPERATORS[type(node.op)](of(node.left), of(node.right))
         raise ValueError(
-            f"'{ast.unparse(node)}' in '{expression}': expected numbers, + - * / and the names "
+            f"'{ast.unparse(node)}' in '{expression}': expected numbers, + - * / ** and the names "
             f"{', '.join(sorted(facts))}"
         )
 
     try:
         return of(ast.parse(expression.strip(), mode="eval").body)
-    except (SyntaxError, ZeroDivisionError) as error:
+    except (SyntaxError, ArithmeticError) as error:
         raise ValueError(f"'{expression}' has no value: {error}") from None
 
 

@@ -43,38 +43,53 @@ def _digest(script: Path) -> str:
     return "".join(file_digest(file) for file in _inputs(script))
 
 
+def _made(workspace: Workspace) -> dict[str, str]:
+    """The controller in generated/: the digest of each file by its name."""
+    folder = workspace.project / "generated"
+    files = (file for pattern in ("*.[ch]", "*.ad[bs]") for file in folder.glob(pattern))
+    return {file.name: file_digest(file) for file in sorted(files)}
+
+
 def design_is_due(workspace: Workspace, settings: Settings) -> bool:
-    """Whether the controller in generated/ is one of design.py and older than what that reads."""
+    """Whether the controller in generated/ is one of design.py, but not of what that reads now.
+
+    The record holds contents, so that it is also right where projects of one name share it.
+    """
     script, folder = workspace.project / DESIGN_SCRIPT, workspace.project / "generated"
     if not script.is_file() or settings.generated != folder or read_origin(folder) is not None:
         return False
-    made = [file for pattern in ("*.c", "*.ad[bs]") for file in folder.glob(pattern)]
+    made = _made(workspace)
     if not made:
         return True
-    try:
-        record = json.loads(workspace.design_record.read_text("utf-8"))
-        return bool(record["script"] != _digest(script))
-    except (OSError, ValueError, KeyError, TypeError):
-        newest = max(file.stat().st_mtime_ns for file in made)
-        changed = max(file.stat().st_mtime_ns for file in _inputs(script))
-        due = changed > newest + COPIED_TOGETHER_NS
-    if not due:
-        remember_design(workspace, _digest(script))
-    return due
+    if workspace.design_record.is_file():
+        try:
+            record = json.loads(workspace.design_record.read_text("utf-8"))
+        except (OSError, ValueError):
+            return True
+        return bool(record != {"script": _digest(script), "made": made})
+    newest = max((folder / name).stat().st_mtime_ns for name in made)
+    changed = max(file.stat().st_mtime_ns for file in _inputs(script))
+    if changed > newest + COPIED_TOGETHER_NS:
+        return True
+    adopt_design(workspace)
+    return False
 
 
 def remember_design(workspace: Workspace, digest: str) -> None:
     """Record that the controller in generated/ is of the inputs with this digest."""
+    record = {"script": digest, "made": _made(workspace)}
     with suppress(OSError):
-        atomic_write(workspace.design_record, json.dumps({"script": digest}) + "\n")
+        atomic_write(workspace.design_record, json.dumps(record) + "\n")
 
 
 def adopt_design(workspace: Workspace) -> None:
     """Record that the controller of a project just copied is of its design.py: the times of files
-    would not tell a change in the next two seconds."""
+    would not tell a change in the next two seconds. Figures of a design here are of another one."""
     script = workspace.project / DESIGN_SCRIPT
     if script.is_file():
         remember_design(workspace, _digest(script))
+        with suppress(OSError):
+            workspace.design_file.unlink()
 
 
 def run_design(workspace: Workspace) -> None:

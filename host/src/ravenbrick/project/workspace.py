@@ -92,7 +92,7 @@ class Workspace:
 
     @property
     def design_record(self) -> Path:
-        """Of what the controller in generated/ was designed last."""
+        """Contents of the last design's inputs and of the controller that it made."""
         return self.design_file.with_name("designed.json")
 
     def build(self, kind: BuildKind) -> Path:

@@ -69,11 +69,6 @@ class PlantLoop:
         """Time between two steps of the controller in s."""
         return self.steps[0].dt
 
-    @property
-    def period(self) -> float:
-        """Time in which all rates have run once, in s; poles are those of this period."""
-        return self.sample_time * len(self.steps)
-
     @cached_property
     def _sampled(self) -> LinearSystem:
         continuous = LinearSystem.of(self.plant).for_control()
@@ -116,12 +111,12 @@ class PlantLoop:
         """From the set-point to the output that is shown, at each step of the period."""
         order = self._output.shape[1]
         power, column = np.eye(order), np.zeros((order, 1))
-        outputs = []
+        outputs, period = [], self.sample_time * len(self.steps)
         for own in self.steps:
             outputs.append((self._output @ power, self._output @ column))
             matrix, entry, _ = self._joined(own, self._driven)
             power, column = matrix @ power, matrix @ column + entry
-        return tuple(LinearSystem(power, column, c, d, self.period) for c, d in outputs)
+        return tuple(LinearSystem(power, column, c, d, period) for c, d in outputs)
 
     def open_loop(self) -> control.StateSpace:
         """The loop cut at one of the plant's inputs, with the sign of a unit negative feedback.

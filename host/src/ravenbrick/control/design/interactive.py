@@ -148,7 +148,7 @@ class TunableLoop:
 
     @property
     def period(self) -> float:
-        """That period in s, of which the poles are."""
+        """That period in s; the poles are those of this period."""
         return self.program.sample_time * len(self.systems)
 
     @cached_property
@@ -213,7 +213,7 @@ class InteractiveDesign:
             return {}
         step = self.loop.sampled.step_metrics()
         found = {"settling_time": step.settling_time, "overshoot": step.overshoot}
-        if len(self.loop.systems) > 1:
+        if self._several:
             return found
         margins = self.loop.sampled.margins()
         return {

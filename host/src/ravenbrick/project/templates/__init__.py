@@ -9,7 +9,6 @@ import re
 import shutil
 import sys
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -159,8 +158,4 @@ def create_from(
     except OSError:
         shutil.rmtree(project, ignore_errors=True)
         raise
-    workspace = Workspace.of(project)
-    # A project of this name that was here before may have been designed; this one was not.
-    with suppress(OSError):
-        workspace.design_record.unlink()
-    return workspace
+    return Workspace.of(project)
