@@ -122,6 +122,8 @@ def test_a_list_that_is_none_is_refused(field: str, words: str) -> None:
         read_declarations({"model.h": f"struct Gains_ {{ {field} }};"})
 
 
-@pytest.mark.parametrize("text", [",x;", "typedef ,x;", "double a,,b;", "double a = {1, ;", ", ,;"])
+@pytest.mark.parametrize(
+    "text", [",x;", "typedef ,x;", "double a,,b;", "double a = {1, ;", ", ,;", "[2] a;"]
+)
 def test_a_broken_list_of_variables_is_passed_over(text: str) -> None:
     assert read_declarations({"model.h": f"{text}\nextern float speed;"}).variables

@@ -335,7 +335,8 @@ class _Reader:
             self._found.functions[words[opening - 1]] = tuple(parameters)
         elif len(words) >= 2 and "static" not in words:
             for one in filter(None, _declarations(words)):
-                self._found.variables[_without_lengths(one)[-1]] = self._parameter(one)
+                if plain := _without_lengths(one):
+                    self._found.variables[plain[-1]] = self._parameter(one)
 
     def _parameter(self, words: Sequence[str]) -> Parameter:
         plain = [word for word in words if word not in _QUALIFIERS]
