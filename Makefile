@@ -96,7 +96,7 @@ test-page: ## Tests of the page: units in Node.js, the shipped page in headless 
 
 .PHONY: conformance
 conformance: complete ## Full verification campaigns; writes verification/results.{json,md}
-	@for peers in cluster docs timing; do \
+	@for peers in cluster docs fmu pybricks pycpa timing; do \
 		$(PYTHON) -m pip install --quiet --disable-pip-version-check \
 			-r tools/requirements/$$peers.txt || \
 		echo "tools/requirements/$$peers.txt: not installed; what compares with it is left out"; \

@@ -11,16 +11,18 @@ import sys
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import pytest
 
 from verification import jobs, outside
-from verification.commands import Counts
+from verification.benchmarks.figures import Figure
+from verification.commands import Counts, function_of
 from verification.jobs import begin_order, grouped
 from verification.outside import Data, Repository
 from verification.run import Campaign, run_suites, suite_row
-from verification.table import Suite
+from verification.support.paths import ROOT
+from verification.table import Suite, read_suites
 
 LAST = {
     "area": "cpu", "suite": "one", "date": "2026-01-02", "case_count": 9, "passed": 9,
@@ -209,3 +211,10 @@ def test_programs_that_a_suite_compiles_are_not_fetched(
     assert "verification.outside" not in compiled.advice()
     monkeypatch.setenv("RAVENBRICK_NO_SUCH", str(folder))
     assert compiled.place() == folder
+
+
+def test_each_part_of_the_benchmarks_gives_figures() -> None:
+    """As declared, which mypy holds it to; a whole run of them takes half an hour."""
+    for part in read_suites(ROOT / "verification" / "benchmarks" / "suites.toml"):
+        given = get_type_hints(function_of(str(part.command)))["return"]
+        assert Figure in get_args(given), part.name

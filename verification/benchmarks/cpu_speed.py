@@ -28,6 +28,7 @@ from typing import Any
 
 from verification.benchmarks import qemu_system
 from verification.benchmarks.child_time import run_timed
+from verification.benchmarks.figures import Figure
 from verification.commands import NoResultError
 from verification.support.paths import ROOT
 
@@ -51,7 +52,6 @@ ABSENT = {
 PEERS = (UNICORN, QEMU, qemu_system.NAME, MGBA, REFERENCE)
 LAYOUTS = {"apart": "code and data apart", "packed": "code and data on one page"}
 STATES = {"arm": "ARM", "thumb": "Thumb"}
-Figure = tuple[str, float, str, str | None, float | None]
 
 
 @dataclass(frozen=True)
@@ -258,23 +258,23 @@ def means(programs: list[Program]) -> Iterator[Figure]:
             ours = geometric_mean(program.mips(FAST) or 0 for program in ran)
             theirs = geometric_mean(program.mips(peer) or 0 for program in ran)
             name = f"busy programs, geometric mean of {len(ran)}"
-            yield name, ours, "guest MIPS", peer, theirs
+            yield Figure(name, ours, "guest MIPS", peer, theirs)
             if peer == UNICORN:
                 ours = geometric_mean(program.mips(FAST_BY_PROCESSOR) or 0 for program in ran)
-                yield f"{name}, by processor time", ours, "guest MIPS", peer, theirs
+                yield Figure(f"{name}, by processor time", ours, "guest MIPS", peer, theirs)
 
 
 def measurements() -> Iterator[Figure]:
-    """Figure, value, unit, peer and the peer's value."""
+    """Speeds of all programs beside those of the peers, and their means."""
     with tempfile.TemporaryDirectory() as folder:
         programs = measure(Path(folder))
     for program in programs:
         mips = program.mips(FAST) or 0.0
         ratio = program.virtual_seconds / statistics.median(program.seconds[FAST])
-        yield program.name, ratio, "virtual s per s", "the brick", 1.0
+        yield Figure(program.name, ratio, "virtual s per s", "the brick", 1.0)
         for peer in PEERS:
             value = program.mips(peer)
-            yield program.name, mips, "guest MIPS", peer if value else ABSENT[peer], value
+            yield Figure(program.name, mips, "guest MIPS", peer if value else ABSENT[peer], value)
     yield from means(programs)
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 import gzip
 import json
 import os
-import re
 import shutil
 import subprocess
 import tempfile
@@ -15,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from tools.docs.pictures.monitor import page_address
 from verification.benchmarks.figures import VEHICLE, Figure
 from verification.commands import NoResultError
 from verification.support.paths import ROOT
@@ -40,16 +40,8 @@ def page_figures(image: Path | None, key: str | None) -> dict[str, Any]:
     environment = {**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200"}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
         assert server.stdout is not None
-        address = re.search(r"http://\S+/", server.stdout.readline())
-        if address is None:
-            raise NoResultError("ravenbrick view says no address")
-        words = [
-            "node",
-            "e2e/speed.mjs",
-            address.group(),
-            str(PAGE_SECONDS),
-            *([key] if key else []),
-        ]
+        address = page_address(server.stdout)
+        words = ["node", "e2e/speed.mjs", address, str(PAGE_SECONDS), *([key] if key else [])]
         done = subprocess.run(words, cwd=ROOT / "web", capture_output=True, text=True)
         server.terminate()
     if done.returncode != 0:

@@ -30,7 +30,8 @@ __all__ = [
 
 HERE = Path(__file__).resolve().parent
 SETS, SIMSO_SETS, PROGRAMS = 10_000, 1_000, 1_000
-OUTSIDE_TOOLS = {"pycpa": "pyCPA", "simso": "SimSo"}
+# Packages with the file of tools/requirements that installs them.
+OUTSIDE_TOOLS = {"pycpa": "pycpa", "simso": "timing"}
 
 
 def _answer(module: str, *options: str) -> Any:
@@ -61,8 +62,8 @@ def random_sets() -> Counts:
     excluded = [
         {
             "count": 0,
-            "reason": f"no case counted, but {OUTSIDE_TOOLS[name]} is compared: "
-            "pip install -r tools/requirements/timing.txt",
+            "reason": f"no case counted, but {name} is compared: "
+            f"pip install -r tools/requirements/{OUTSIDE_TOOLS[name]}.txt",
         }
         for name in absent
     ]

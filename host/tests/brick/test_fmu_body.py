@@ -30,6 +30,8 @@ MOTOR = [f"-D{name.upper()}={value!r}" for name, value in part_values("motors", 
 FOLDERS = {2: "linux64", 3: "x86_64-linux"}
 Build = Callable[..., Path]
 
+pytestmark = pytest.mark.long("needs FMPy")
+
 
 @pytest.fixture
 def build(tmp_path: Path) -> Build:
