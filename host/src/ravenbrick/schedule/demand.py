@@ -183,7 +183,7 @@ class Window:
         """Execution and overhead of one job of the task."""
         return self.task.wcet + self.own_overhead
 
-    @property
+    @cached_property
     def utilization(self) -> Fraction:
         """Long-term share of the processor at the task's priority and above."""
         own = Source(self.task, self.task.period, 0, self.task.wcet, self.own_overhead)

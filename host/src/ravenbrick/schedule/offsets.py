@@ -204,6 +204,10 @@ def _begins(window: Window, repetition: Time) -> list[Time]:
     return sorted(found)
 
 
+LeftOut = tuple[frozenset[str], frozenset[str]]
+"""Less urgent tasks that are over by the start, and sources of interrupts that none requests."""
+
+
 class _Beginning:
     """What can be under way when a busy period of `window.task` starts.
 
@@ -216,7 +220,7 @@ class _Beginning:
 
     def __init__(self, window: Window, tasks: Iterable[Task], known: Known) -> None:
         self._window, self._known = window, known
-        self._windows: dict[tuple[frozenset[str], frozenset[str]], Window] = {}
+        self._windows: dict[LeftOut, Window] = {}
         self._tasks = {task.name: task for task in tasks}
         self._clock = window.clock.overheads.clock_resolution
         phased = [source.jitter for source in window.sources if source.task.phase is not None]
@@ -242,17 +246,21 @@ class _Beginning:
         end = task.phase + latest * task.period + response + lasts
         return end <= begin - self._earliest
 
-    def window(self, begin: Time) -> Window:
-        """The load without what cannot be met at this start."""
+    def left_out(self, begin: Time) -> LeftOut:
+        """What cannot be met at this start."""
         absent = frozenset(name for name in self._tasks if self._over(name, begin))
         over = frozenset(
             request.source
             for request in self._known.requests
             if all(self._over(name, begin, request.lasts) for name in request.tasks)
         )
-        if (absent, over) not in self._windows:
-            self._windows[absent, over] = self._without(absent, over)
-        return self._windows[absent, over]
+        return absent, over
+
+    def window(self, left_out: LeftOut) -> Window:
+        """The load without that."""
+        if left_out not in self._windows:
+            self._windows[left_out] = self._without(*left_out)
+        return self._windows[left_out]
 
     def _without(self, absent: frozenset[str], over: frozenset[str]) -> Window:
         window, known = self._window, self._known
@@ -278,23 +286,29 @@ class _Beginning:
         return replace(candidate, window=replace(candidate.window, sources=tuple(found)))
 
 
-def _signature(candidate: _Candidate, longest: Time) -> tuple[object, ...]:
-    """Candidates with the same one have the same bound: the releases within the longest busy
-    period, from its start."""
-    window, found = candidate.window, []
-    released = [(source.task, source.jitter) for source in window.sources]
-    for task, jitter in [*released, (window.task, window.jitter)]:
-        if task.phase is not None:
-            first = ceiling(candidate.begin - jitter - task.phase, task.period)
-            offset = task.phase + first * task.period - candidate.begin
-            found.append((task.name, min(offset, longest)))
-        else:
-            found.append((task.name, 0))
-    for (period, jitter), phase in zip(window.clock.released, window.clock.phases, strict=True):
-        if phase is not None:
-            first = ceiling(candidate.begin - jitter - phase, period)
-            found.append(("clock", min(phase + first * period - candidate.begin, longest)))
-    return (window.blocking, *found)
+class _Signatures:
+    """Tells starts of busy periods apart by what is met in them: what is left out, and the releases
+    of phased tasks within the longest busy period, from the start on. Starts with the same one have
+    the same bound."""
+
+    def __init__(self, window: Window, longest: Time) -> None:
+        self._longest = longest
+        clock = zip(window.clock.released, window.clock.phases, strict=True)
+        found = [(phase, *released) for released, phase in clock]
+        releases = [(source.task, source.jitter) for source in window.sources]
+        for task, jitter in [*releases, (window.task, window.jitter)]:
+            found.append((task.phase, task.period, jitter))
+        self._phased = [(p, t, j) for p, t, j in dict.fromkeys(found) if p is not None]
+
+    def of(self, begin: Time, left_out: LeftOut) -> tuple[object, ...]:
+        """That of one start."""
+        return (
+            left_out,
+            *(
+                min((phase + jitter - begin) % period - jitter, self._longest)
+                for phase, period, jitter in self._phased
+            ),
+        )
 
 
 Worst = tuple[tuple[Time, int, Time], _Candidate]
@@ -344,13 +358,15 @@ def _worst_terms(
     worst: Worst | None = None
     seen: set[tuple[object, ...]] = set()
     beginning = _Beginning(window, lower, known)
+    signatures = None if longest is None else _Signatures(window, longest)
     for begin in _begins(window, repetition):
-        candidate = _Candidate(beginning.window(begin), begin, jitters)
-        if longest is not None:
-            signature = _signature(candidate, longest)
+        left_out = beginning.left_out(begin)
+        if signatures is not None:
+            signature = signatures.of(begin, left_out)
             if signature in seen:
                 continue
             seen.add(signature)
+        candidate = _Candidate(beginning.window(left_out), begin, jitters)
         found = candidate.worst(jobs_at_most or STEP_LIMIT)
         if found is not None and (worst is None or found[0] > worst[0][0]):
             closer = _worst_of_kinds((found, candidate), beginning, known)
@@ -384,12 +400,12 @@ def phased_response_time_bound(
     task_set: TaskSet, task: Task, overheads: Overheads, known: Known
 ) -> ResponseTimeBound:
     """`phased_response_time_bounds` of one task, with what is known besides the phases."""
-    plain = response_time_bound(task_set, task, overheads)
     whole, costs, known, unit = _in_whole_times(task_set, overheads, known)
-    longest = None if plain.busy_period is None else exact(plain.busy_period * unit)
-    found = _worst_terms(whole, whole.task(task.name), costs, known, longest)
+    own = whole.task(task.name)
+    longest = response_time_bound(whole, own, costs).busy_period
+    found = _worst_terms(whole, own, costs, known, longest)
     if found is None:
-        return plain
+        return response_time_bound(task_set, task, overheads)
     terms = multiplied(found, Fraction(1, unit))
     return ResponseTimeBound(task, terms.total, terms=terms)
 

@@ -13,6 +13,7 @@ from ravenbrick.schedule.demand import STEP_LIMIT, AnalysisLimitError, Source, W
 from ravenbrick.schedule.model import NO_OVERHEADS, Frame, Overheads, Task, TaskSet
 from ravenbrick.schedule.multiframe import frames_from
 from ravenbrick.schedule.quantity import Time, ceiling, common_multiple, exact
+from ravenbrick.schedule.whole_times import common_denominator, multiplied
 
 __all__ = [
     "Interference",
@@ -118,6 +119,16 @@ def _too_long(task: Task) -> AnalysisLimitError:
         f"the busy period of '{task.name}' takes more than {STEP_LIMIT} steps; "
         "its utilisation is too close to 1"
     )
+
+
+def _in_unit(found: ResponseTimeBound, task: Task, unit: int) -> ResponseTimeBound:
+    """A bound of the task that was found with all times multiplied by `unit`."""
+    if unit == 1:
+        return found
+    share = Fraction(1, unit)
+    times = (found.bound, found.jobs, found.busy_period, found.terms, found.frames)
+    bound, jobs, busy_period, terms, frames = multiplied(times, share)
+    return ResponseTimeBound(task, bound, jobs, busy_period, terms, frames)
 
 
 Load = tuple[Source, Time, Time]
@@ -238,6 +249,12 @@ def response_time_bound(
     period is examined from each frame: exact if no such sequence is longer than the one from the
     longest frame on (accumulatively monotonic: Zuhily, Burns 2008), else an upper bound.
     """
+    unit = common_denominator([task_set, task, overheads])
+    own, costs = multiplied(task, unit), multiplied(overheads, unit)
+    return _in_unit(_bound_of(multiplied(task_set, unit), own, costs), task, unit)
+
+
+def _bound_of(task_set: TaskSet, task: Task, overheads: Overheads) -> ResponseTimeBound:
     window = window_of(task_set, task, overheads)
     if window.utilization > 1:
         return ResponseTimeBound(task, None)
@@ -268,7 +285,10 @@ def response_time_bounds(
     task_set: TaskSet, overheads: Overheads = NO_OVERHEADS
 ) -> tuple[ResponseTimeBound, ...]:
     """`response_time_bound` of each task, most urgent first."""
-    return tuple(response_time_bound(task_set, task, overheads) for task in task_set.by_priority())
+    unit = common_denominator([task_set, overheads])
+    whole, costs = multiplied(task_set, unit), multiplied(overheads, unit)
+    tasks = zip(task_set.by_priority(), whole.by_priority(), strict=True)
+    return tuple(_in_unit(_bound_of(whole, own, costs), task, unit) for task, own in tasks)
 
 
 def is_schedulable(task_set: TaskSet, overheads: Overheads = NO_OVERHEADS) -> bool:

@@ -11,7 +11,6 @@ from fractions import Fraction
 from typing import Any, TypeVar, cast
 
 from ravenbrick.schedule.model import Task
-from ravenbrick.schedule.quantity import exact
 
 __all__ = ["common_denominator", "multiplied"]
 
@@ -22,9 +21,13 @@ OTHERS = frozenset({"priority", "job", "jobs", "most"})
 
 def multiplied(value: Model, factor: Fraction | int) -> Model:
     """A model, or several, with each time multiplied."""
+    if factor == 1:
+        return value
     result: Any = value
     if isinstance(value, int | Fraction):
-        result = exact(Fraction(value * factor))
+        result = value * factor
+        if isinstance(result, Fraction) and result.denominator == 1:
+            result = result.numerator
     elif isinstance(value, tuple):
         result = tuple(multiplied(each, factor) for each in value)
     elif is_dataclass(value) and not isinstance(value, type):

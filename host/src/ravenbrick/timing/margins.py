@@ -44,9 +44,17 @@ def _of(name: str, change: Change) -> Change:
 
 def _limit(analysis: Analysis, change: Callable[[Fraction], Change]) -> ScalingLimit:
     """Largest factor with whose change all deadlines are met."""
-    factor = largest_factor(lambda factor: not _misses(analysis, change(factor)), FINENESS)
+    missing: dict[Fraction, list[str]] = {}
+
+    def feasible(factor: Fraction) -> bool:
+        missing[factor] = _misses(analysis, change(factor))
+        return not missing[factor]
+
+    factor = largest_factor(feasible, FINENESS)
     above = Fraction(factor or 0) + Fraction(1, FINENESS)
-    return ScalingLimit(factor, next(iter(_misses(analysis, change(above))), ""))
+    if above not in missing:
+        feasible(above)
+    return ScalingLimit(factor, next(iter(missing[above]), ""))
 
 
 def largest_scaling(analysis: Analysis) -> ScalingLimit:

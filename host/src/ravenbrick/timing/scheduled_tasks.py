@@ -364,7 +364,8 @@ def scheduled_bounds(
     if facts.together and not more and not suspended and not enough:
         requests = requests_of(facts, costs, below)
         known = Known({}, requests, kinds=_job_kinds(executions, facts, tasks, changed))
-        timings, closer = with_common_release(timings, sets, overheads, bounds, known, cause)
+        given = (bounds, known, cause)
+        timings, closer = with_common_release(timings, sets, overheads, *given, change is None)
         bounds |= closer
     return Scheduled(timings, task_set, overheads, bounds)
 
@@ -381,12 +382,14 @@ def with_common_release(
     bounds: dict[str, ResponseTimeBound],
     known: Known,
     cause: Callable[[Task, frozenset[str]], BlockingCause],
+    closest: bool = True,
 ) -> tuple[tuple[TaskTiming, ...], dict[str, ResponseTimeBound]]:
     """Closer bounds of tasks that keep a common release, with the blocking that they meet.
 
     `sets` are the tasks and interrupts as each task meets them, `cause` the blocking of a task by
     less urgent ones without those of some names. Bounds tell when a job is over, so closer ones
-    make those of the second round closer still.
+    make those of the second round closer still; unless the closest are wanted, one round is enough
+    in which all deadlines are met.
     """
     tasks = {timing.task.name: timing.task for timing in timings}
     causes: dict[tuple[str, object], BlockingCause] = {}
@@ -400,19 +403,19 @@ def with_common_release(
     for _ in range(ROUNDS):
         before = known.responses
         responses = {name: bound.bound for name, bound in (bounds | found).items()}
-        if responses == before:
+        enough = not closest and found and all(b.meets_deadline for b in found.values())
+        if responses == before or enough:
             break
         known = replace(known, responses=responses, blocking=blocking)
         for name, seen in sets.items():
-            closer = phased_response_time_bound(seen, seen.task(name), overheads, known)
-            found[name] = closer
+            found[name] = phased_response_time_bound(seen, seen.task(name), overheads, known)
 
-    def met(timing: TaskTiming) -> BlockingCause:
+    def blocked_by(timing: TaskTiming) -> BlockingCause:
         terms = found[timing.task.name].terms
         time = None if terms is None else terms.blocking.time
         return causes.get((timing.task.name, time), timing.blocking)
 
-    return tuple(replace(timing, blocking=met(timing)) for timing in timings), found
+    return tuple(replace(timing, blocking=blocked_by(timing)) for timing in timings), found
 
 
 def _job_kinds(
