@@ -74,14 +74,8 @@ impl Budget {
     pub fn earn(&mut self, cycles: u64, code_gain_cycles: i64) {
         let decoding = self.decoding + cycles as i64 * BLOCK_CYCLE - BLOCKS_ENTRY;
         self.decoding = decoding.min(DECODING_MAX);
-        self.compiling += cycles as i64 / CYCLES_PER_COMPILING;
-        self.earn_code(code_gain_cycles);
-    }
-
-    /// Cycles that passed in JIT code, without as many as entering it costs.
-    #[inline(always)]
-    pub fn earn_code(&mut self, gain_cycles: i64) {
-        self.compiling = (self.compiling + gain_cycles * CODE_CYCLE).min(COMPILING_MAX);
+        let earned = cycles as i64 / CYCLES_PER_COMPILING + code_gain_cycles * CODE_CYCLE;
+        self.compiling = (self.compiling + earned).min(COMPILING_MAX);
     }
 
     /// May blocks be decoded, or invalidated all at once? If not, not for some steps.
@@ -142,8 +136,6 @@ mod tests {
         assert!(budget.affords_compiling(1, 1_000_000));
         budget.pay_for_compiling(1_000);
         assert!(!budget.affords_compiling(1, 1_000_000));
-        budget.earn_code(compilation(1_000) / CODE_CYCLE);
-        assert!(budget.affords_compiling(1, 1_000_000));
         assert!(Budget::new(true).affords_compiling(1_000, 0));
     }
 }

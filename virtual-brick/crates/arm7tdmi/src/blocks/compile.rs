@@ -61,9 +61,6 @@ impl<B: BlockBus> Blocks<B> {
         if self.jit.as_ref().is_some_and(|jit| jit.is_exhausted()) {
             self.invalidate_code();
         }
-        // A run without events can be long: what code has saved in it counts now.
-        self.budget
-            .earn_code(std::mem::take(&mut self.code_gain_cycles));
         let block = &mut self.blocks[number as usize];
         let runs = u64::from(block.jit.unaffordable) * u64::from(self.threshold_runs);
         if !self.budget.affords_compiling(block.ops.len(), runs) {
