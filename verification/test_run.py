@@ -214,7 +214,7 @@ def test_programs_that_a_suite_compiles_are_not_fetched(
 
 
 def test_each_part_of_the_benchmarks_gives_figures() -> None:
-    """As declared, which mypy holds it to; a whole run of them takes half an hour."""
+    """As declared, which mypy checks."""
     for part in read_suites(ROOT / "verification" / "benchmarks" / "suites.toml"):
         given = get_type_hints(function_of(str(part.command)))["return"]
         assert Figure in get_args(given), part.name
