@@ -91,13 +91,19 @@ patched: add    r4, r4, #1
         bne     2b
         b       1b
 
-#elif defined PATCH_RARE
-        @ An instruction in a busy loop is patched every 1000 turns.
+#elif defined PATCH_RARE || defined PATCH_COMPILED
+        @ An instruction in a busy loop is patched every 1000 turns, or when the loop has just been
+        @ compiled.
+#ifdef PATCH_RARE
+        .set    TURNS, 1000
+#else
+        .set    TURNS, 16000
+#endif
         ldr     r2, =rare
         ldr     r1, =0xE2844001
 1:      eor     r1, r1, #6
         str     r1, [r2]
-        ldr     r7, =1000
+        ldr     r7, =TURNS
 2:      work    3
         work    4
 rare:   add     r4, r4, #1

@@ -3,8 +3,7 @@
 //! What decoding and compiling may cost: a tenth of the time that passes without them, and what
 //! they have saved. A program that never earns the cost of its blocks runs about as fast as with
 //! single steps. A block may also be compiled when it has itself run for as long as that takes, and
-//! four times as long as what earlier code has cost and not saved: code that is left again and
-//! again, at registers, saves nothing.
+//! as long as the compilation of code took that was invalidated before it had saved as much.
 //!
 //! Amounts are host time in units of about a nanosecond, for blocks, and a sixteenth of that, for
 //! JIT code. They steer the speed only: a run is the same whatever is decoded or compiled.
@@ -24,15 +23,13 @@ const DECODING_MAX: i64 = 10_000 * DECODED_INSTRUCTION;
 const STEPS_WITHOUT_BLOCKS: u32 = 128;
 /// In so many cycles in blocks, a unit is earned for compilation: a 256th of their time.
 const CYCLES_PER_COMPILING: i64 = 16;
-/// What compilation has cost and JIT code has not saved counts so often.
-const DEBT_WEIGHT: i64 = 4;
 /// What a cycle in JIT code saves besides, compared with blocks.
-const CODE_CYCLE: i64 = 8;
+const CODE_CYCLE: i64 = 12;
 /// Compilation of a region, and of each of its instructions.
-const COMPILED_REGION: i64 = 8_000_000;
-const COMPILED_INSTRUCTION: i64 = 240_000;
+const COMPILED_REGION: i64 = 1_000_000;
+const COMPILED_INSTRUCTION: i64 = 280_000;
 /// A run of one interpreted instruction.
-const INTERPRETED_INSTRUCTION: u64 = 24;
+const INTERPRETED_INSTRUCTION: u64 = 32;
 /// Most that is kept for compilation.
 const COMPILING_MAX: i64 = 2_000 * COMPILED_INSTRUCTION;
 
@@ -41,6 +38,8 @@ const COMPILING_MAX: i64 = 2_000 * COMPILED_INSTRUCTION;
 pub(super) struct Budget {
     decoding: i64,
     compiling: i64,
+    /// What compilation of the code that exists has cost.
+    code: i64,
     /// Steps of the reference engine before blocks are asked again.
     steps_without_blocks: u32,
     /// Everything is decoded and compiled at once, in tests.
@@ -52,6 +51,7 @@ impl Budget {
         Self {
             decoding: DECODING_MAX,
             compiling: 0,
+            code: 0,
             steps_without_blocks: 0,
             unlimited,
         }
@@ -96,12 +96,18 @@ impl Budget {
     pub fn affords_compiling(&self, instructions: usize, runs: u64) -> bool {
         let own = runs * instructions as u64 * INTERPRETED_INSTRUCTION;
         let cost = compilation(instructions);
-        let debt = (-self.compiling).max(0) * DEBT_WEIGHT;
+        let debt = (-self.compiling - self.code).max(0);
         self.unlimited || self.compiling >= cost || own as i64 >= cost + debt
     }
 
     pub fn pay_for_compiling(&mut self, instructions: usize) {
         self.compiling -= compilation(instructions);
+        self.code += compilation(instructions);
+    }
+
+    /// The code of a region of so many instructions was invalidated.
+    pub fn lose_code(&mut self, instructions: usize) {
+        self.code -= compilation(instructions);
     }
 }
 
@@ -134,8 +140,20 @@ mod tests {
         budget.pay_for_compiling(1);
         assert!(!budget.affords_compiling(1, 0));
         assert!(budget.affords_compiling(1, 1_000_000));
-        budget.pay_for_compiling(1_000);
-        assert!(!budget.affords_compiling(1, 1_000_000));
         assert!(Budget::new(true).affords_compiling(1_000, 0));
+    }
+
+    #[test]
+    fn compilation_waits_longer_where_code_is_invalidated() {
+        let runs =
+            |instructions| (compilation(instructions) as u64).div_ceil(INTERPRETED_INSTRUCTION);
+        let mut budget = Budget::new(false);
+        budget.pay_for_compiling(1_000);
+        assert!(budget.affords_compiling(1, runs(1)));
+        budget.lose_code(1_000);
+        assert!(!budget.affords_compiling(1, runs(1)));
+        assert!(budget.affords_compiling(1, runs(1) + runs(1_000)));
+        budget.earn(0, compilation(1_000) / CODE_CYCLE + 1);
+        assert!(budget.affords_compiling(1, runs(1)));
     }
 }

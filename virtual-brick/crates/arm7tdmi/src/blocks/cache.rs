@@ -181,7 +181,9 @@ impl<B: BlockBus> Blocks<B> {
     /// Invalidates the code of a region; its blocks stay.
     fn invalidate_region(&mut self, region: u32) {
         let numbers = self.regions.get_mut(region as usize).map(std::mem::take);
-        for number in numbers.unwrap_or_default() {
+        let numbers = numbers.unwrap_or_default();
+        self.lose_code(&numbers);
+        for number in numbers {
             if let Some(block) = self.blocks.get_mut(number as usize) {
                 let halfword = block.jit.halfword;
                 block.jit = JitState::cold(halfword, self.threshold_runs, self.entries);
@@ -192,9 +194,22 @@ impl<B: BlockBus> Blocks<B> {
         }
     }
 
+    /// Tells the budget of the lost code of a region; of none where it was lost before.
+    fn lose_code(&mut self, numbers: &[u32]) {
+        let blocks = numbers
+            .iter()
+            .filter_map(|&number| self.blocks.get(number as usize));
+        if !numbers.is_empty() {
+            self.budget
+                .lose_code(blocks.map(|block| block.ops.len()).sum());
+        }
+    }
+
     /// Invalidates all JIT code; the blocks stay.
     pub(super) fn invalidate_code(&mut self) {
-        self.regions.clear();
+        for numbers in std::mem::take(&mut self.regions) {
+            self.lose_code(&numbers);
+        }
         self.pending_regions = 0;
         for block in &mut self.blocks {
             block.jit = JitState::cold(block.jit.halfword, self.threshold_runs, self.entries);
