@@ -27,7 +27,7 @@ __all__ = ["figures"]
 SOURCES = ROOT / "verification" / "benchmarks" / "cliffs"
 RAM_BASE, FLASH_BASE = 0x0020_2000, 0x0010_0000
 IN_FLASH = ("BRANCHY_FLASH", "FLASH_MODE_CHANGES", "FLASH_TABLES", "STRAIGHT_ON")
-CYCLES = 24_000_000
+CYCLES = 96_000_000
 # The system counts processor time in ticks; less than one may read as none.
 TICK_S = 0.004
 # A short run has other costs than a long one, and a sleeping processor passes much time.

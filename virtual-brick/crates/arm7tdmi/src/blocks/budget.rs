@@ -1,21 +1,22 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! What decoding and compiling may cost: a tenth of the time that passes without them, and what
+//! What decoding and compiling may cost: a twentieth of the time that passes without them, and what
 //! they have saved. A program that never earns the cost of its blocks runs about as fast as with
-//! single steps. A block may also be compiled when it has itself run for as long as that takes, and
-//! as long as the compilation of code took that was invalidated before it had saved as much.
+//! single steps. A block may also be compiled when it has itself run for twice as long as that
+//! takes, and as the compilation of code took that was invalidated before it had saved as much.
 //!
-//! Amounts are host time in units of about a nanosecond, for blocks, and a sixteenth of that, for
-//! JIT code. They steer the speed only: a run is the same whatever is decoded or compiled.
+//! Amounts are host time in units of about half a nanosecond, for blocks, and a sixteenth of a
+//! nanosecond, for JIT code. They steer the speed only: a run is the same whatever is decoded or
+//! compiled.
 
-/// A tenth of a step of the reference engine.
+/// A twentieth of a step of the reference engine.
 const STEP: i64 = 1;
-/// Half of what a cycle in blocks saves, compared with single steps.
+/// A quarter of what a cycle in blocks saves, compared with single steps.
 const BLOCK_CYCLE: i64 = 2;
 /// What entering and leaving the blocks costs.
 const BLOCKS_ENTRY: i64 = 30;
 /// Decoding of one instruction, with the memory that it takes.
-const DECODED_INSTRUCTION: i64 = 200;
+const DECODED_INSTRUCTION: i64 = 400;
 /// Most that is kept, which is what a run begins with: programs execute thousands of instructions
 /// once before they settle, and single steps would cost more than these blocks.
 const DECODING_MAX: i64 = 10_000 * DECODED_INSTRUCTION;
@@ -28,8 +29,8 @@ const CODE_CYCLE: i64 = 12;
 /// Compilation of a region, and of each of its instructions.
 const COMPILED_REGION: i64 = 1_000_000;
 const COMPILED_INSTRUCTION: i64 = 280_000;
-/// A run of one interpreted instruction.
-const INTERPRETED_INSTRUCTION: u64 = 32;
+/// Half of what a run of one interpreted instruction takes.
+const INTERPRETED_INSTRUCTION: u64 = 16;
 /// Most that is kept for compilation.
 const COMPILING_MAX: i64 = 2_000 * COMPILED_INSTRUCTION;
 
@@ -127,7 +128,7 @@ mod tests {
         assert!(!budget.affords_decoding());
         let steps = (0..1_000).take_while(|_| budget.leaves_to_reference());
         assert_eq!(steps.count(), STEPS_WITHOUT_BLOCKS as usize);
-        budget.earn(100, 0);
+        budget.earn(1_000, 0);
         assert!(budget.affords_decoding());
     }
 
