@@ -44,6 +44,13 @@ def short(text: str) -> str:
     return textwrap.shorten(text, REASON_LENGTH, placeholder=" …")
 
 
+def why_not(answer: Answer) -> str:
+    """Why there is no result; empty when there is one."""
+    if "error" in answer:
+        return f"failed: {answer['error']}"
+    return f"not run: {answer['absent']}" if "absent" in answer else ""
+
+
 def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
     """The row of a suite: its counts, or those of its last run with the reason why."""
     head: Row = {"area": suite.area, "suite": suite.name}
@@ -64,8 +71,8 @@ def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
             "note": "" if passed else short(f"failed: {'; '.join(failures)}"),
         }
     empty: Row = {"case_count": 0, "passed": 0, "excluded": [], "elapsed_s": 0, "processor_s": 0}
-    why = f"failed: {answer['error']}" if "error" in answer else f"not run: {answer['absent']}"
-    return {**(last or {**head, **empty, "date": ""}), "note": short(f"{today()}: {why}")}
+    note = short(f"{today()}: {why_not(answer)}")
+    return {**(last or {**head, **empty, "date": ""}), "note": note}
 
 
 @dataclass
@@ -107,7 +114,7 @@ class Campaign:
             if self.table == BENCHMARKS:
                 rows = answer.get("figures", [])
                 text = "; ".join(f"{r['figure']}: {r['value']:.5g} {r['unit']}" for r in rows)
-                note = f"failed: {answer['error']}" if "error" in answer else ""
+                note = why_not(answer)
             else:
                 rows = [suite_row(suite, answer, self.last.get(suite.name))]
                 judged = answer.get("judged", 0)

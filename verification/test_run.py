@@ -22,7 +22,7 @@ from verification.jobs import begin_order, grouped
 from verification.outside import Data, Repository
 from verification.run import Campaign, run_suites, suite_row
 from verification.support.paths import ROOT
-from verification.table import Suite, read_suites
+from verification.table import Need, Suite, read_suites
 
 LAST = {
     "area": "cpu", "suite": "one", "date": "2026-01-02", "case_count": 9, "passed": 9,
@@ -130,6 +130,18 @@ def test_a_row_is_kept_with_its_date_and_the_reason() -> None:
     tests = Suite("cpu", "one", "own", "itself", "pytest", ("verification",))
     row = suite_row(tests, answer, LAST)
     assert row["passed"] == 9 and "only 1 cases can run: no data" in row["note"]
+
+
+def test_a_part_of_the_benchmarks_that_cannot_run_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It has no figure, and is not one that passed."""
+    monkeypatch.setattr("verification.run.BENCHMARKS", tmp_path / "suites.toml")
+    found = ran(
+        tmp_path, [suite("tab", needs=(Need(file="no/page", install="make it"),))], monkeypatch
+    )
+    assert found.kept == {"tab": "not run: no/page is absent: make it"}
+    assert "0 passed, 0 failed, 1 not run" in found.summary()
 
 
 def test_a_row_has_what_its_suite_measured() -> None:
