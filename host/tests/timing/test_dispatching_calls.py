@@ -78,6 +78,7 @@ def test_calls_are_bounded_with_all_targets_that_a_run_shows(
     ("program", "place", "reason"),
     [
         ("called_back", "called_back.adb:19", "callbacks declares an access-to-subprogram type"),
+        ("fired", "fired.adb:15", "handlers names what ada.interrupts declares"),
         ("local", "devices.adb:16", "local extends a type in a subprogram"),
         ("made_anew", "made_anew.adb:17", "the code does not show the number of the word"),
         ("placed", "placed.adb:19", "the code does not show the number of the word"),
