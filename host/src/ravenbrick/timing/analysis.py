@@ -37,6 +37,7 @@ from ravenbrick.timing.bounds import (
     whole_stack,
 )
 from ravenbrick.timing.counted_facts import CountedFact, counted_facts
+from ravenbrick.timing.dispatching_calls import DISPATCH_TABLES, DispatchingCalls
 from ravenbrick.timing.environment_stack import (
     NO_ENVIRONMENT,
     EnvironmentStack,
@@ -259,7 +260,8 @@ def known_facts(
     objects, known = run_time_facts(image, queued, expiring)
     own = (facts.name, facts.annotations)
     devices = [port.device for port in robot.sensor_ports.values()]
-    return objects, [own, *facts.shared, *source_facts(image, devices), *known]
+    calls = DispatchingCalls(image).facts()
+    return objects, [own, *facts.shared, *source_facts(image, devices), *known, calls]
 
 
 def _kinds(
@@ -359,6 +361,14 @@ def analyse(
     Raises `ExecutionTimeError` for what has no bound, `ProjectFileError` where robot.toml and the
     image disagree.
     """
+    try:
+        return _analyse(robot, image, brick, facts, timing)
+    except ExecutionTimeError as question:
+        DispatchingCalls(image).told(question)
+        raise
+
+
+def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: str) -> Analysis:
     _check_tasks(robot, brick)
     facts = facts.of_image(image)
     attached = attached_handlers(brick, image)
@@ -431,7 +441,8 @@ def _counted(
     facts: Facts,
     annotations: Sequence[tuple[str, str]],
 ) -> tuple[CountedFact, ...]:
-    """Facts of people: of the project, the drivers and the sources."""
+    """Facts of the project, the drivers and the sources, and targets in dispatch tables."""
     outside = f"{facts.name}, [[outside]]"
-    files = {facts.name, outside, "pragma Annotate", *(name for name, _ in facts.shared)}
+    files = {facts.name, outside, "pragma Annotate", DISPATCH_TABLES}
+    files |= {name for name, _ in facts.shared}
     return counted_facts(image.content, roots, [*annotations, (outside, facts.outside)], files)

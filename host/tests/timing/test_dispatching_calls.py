@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Dispatching calls of Ada: bounded with the targets that runs show, or asked for with a reason."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ravenbrick.image.build import TOOLS, find_tool
+
+if importlib.util.find_spec("virtual_brick") is None:
+    pytest.skip("the module virtual_brick is not built", allow_module_level=True)
+if any(find_tool(tool) is None for tool in TOOLS):
+    pytest.skip("the cross toolchain is not installed", allow_module_level=True)
+
+from verification.support.timing.programs import analysed, subject
+
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.timing.ada_library import read_library
+from ravenbrick.timing.bounds import ExecutionTimeError
+from ravenbrick.timing.counted_facts import points_text
+from ravenbrick.timing.dispatch_code import DispatchCode
+from ravenbrick.timing.dispatching_calls import DispatchingCalls
+from ravenbrick.timing.observation.fact_counts import fact_counts
+from ravenbrick.timing.observation.observed import exceeded, observe
+
+SHORT = "devices__kinds__start"
+LONG = "a_name_of_its_own"  # of Nested.Long, inherited by Longest
+SLOW, LAMP, SEND = (f"devices__kinds__{name}" for name in ("read", "read__2", "send"))
+
+
+def derived(image: ElfImage) -> list[set[str]]:
+    """Targets of each call that has been found, by address; thunks without their numbers."""
+    rows = tomllib.loads(DispatchingCalls(image).facts()[1]).get("call", [])
+    return [{re.sub(r"T\d+s$", "thunk", name) for name in row["targets"]} for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("program", "expected"),
+    [
+        # The line of this instruction has a call of Start only: a call of Read was joined to it.
+        ("joined", [{SHORT, LONG, SLOW, LAMP}]),
+        ("one_line", [{SHORT, LONG, SLOW, LAMP}] * 2),
+        ("levels", [{SHORT, LONG}, {"devices__rest"}]),
+        # A type whose parent is the interface has its operation in its own table.
+        ("signals", [{LAMP, SEND, "devices__kinds__thunk"}]),
+        ("guarded", [{"values__send", "values__thunk"}]),
+        ("class_wide", [{SHORT, LONG}]),
+    ],
+)
+def test_calls_are_bounded_with_all_targets_that_a_run_shows(
+    program: str, expected: list[set[str]]
+) -> None:
+    found = subject("dispatching", program)
+    assert derived(found.image) == expected
+    analysis = analysed(found, found.facts)
+    target = VirtualTarget(flow_points=points_text(analysis.counted))
+    recording = target.run(found.robot, found.scenario, found.image)
+    observed = observe(found.robot, recording)
+    assert exceeded(analysis, observed) == []
+    (task,) = analysis.tasks
+    assert task.job.cycles < 2 * observed["environment"].execution_cycles
+    counts = fact_counts(found.robot, found.facts, found.image, analysis.counted, recording)
+    assert [count.excess for count in counts if count.excess] == []
+    calls = [count for count in counts if count.fact.startswith("dispatch tables: [[call]]")]
+    assert len(calls) == len(expected)
+
+
+@pytest.mark.parametrize(
+    ("program", "place", "reason"),
+    [
+        ("called_back", "called_back.adb:19", "callbacks declares an access-to-subprogram type"),
+        ("fired", "fired.adb:15", "handlers names what ada.interrupts declares"),
+        ("local", "devices.adb:16", "local extends a type in a subprogram"),
+        ("made_anew", "made_anew.adb:17", "the code does not show the number of the word"),
+        ("placed", "placed.adb:19", "the code does not show the number of the word"),
+    ],
+)
+def test_other_calls_are_asked_for_with_the_reason(program: str, place: str, reason: str) -> None:
+    found = subject("dispatching", program)
+    with pytest.raises(ExecutionTimeError, match=place) as asked:
+        analysed(found, found.facts)
+    assert f"dispatch tables do not tell them: {reason}" in asked.value.detail
+
+
+def test_library_files_that_are_not_those_of_the_image_are_not_used(tmp_path: Path) -> None:
+    image = subject("dispatching", "levels").image
+    assert derived(image)
+    copy = tmp_path / "old.elf"
+    copy.write_bytes(image.content)
+    os.utime(copy, (0, 0))
+    assert derived(replace(image, path=copy)) == []
+    folder = b"build/verification/dispatching"
+    moved = image.content.replace(folder, folder[:-1] + b"x")
+    assert derived(replace(image, content=moved)) == []
+
+
+def calls(instructions: list[int], *addresses: int) -> list[tuple[int, set[int]]]:
+    """Calls in instructions from address 0 on, beside words that hold these addresses."""
+    words = dict(enumerate(instructions))
+    words = {4 * number: word for number, word in words.items()}
+    beside = {0x1000 + 4 * number: word for number, word in enumerate(addresses)}
+    return list(DispatchCode(words | beside, words, [0]).calls(0, 4 * len(instructions)))
+
+
+TAG, OPERATION, TEST, CHAIN, CODE, BRANCH = CALL = [
+    0xE590_3000,  # ldr r3, [r0]
+    0xE593_4014,  # ldr r4, [r3, #20]
+    0xE314_0002,  # tst r4, #2
+    0x1514_C002,  # ldrne ip, [r4, #-2]
+    0x1594_4002,  # ldrne r4, [r4, #2]
+    0xE12F_FF14,  # bx r4
+]
+OTHER = 0xE593_4008  # ldr r4, [r3, #8]
+
+
+def test_the_number_of_the_word_is_told_by_all_ways_to_the_branch() -> None:
+    assert calls(CALL) == [(20, {5})]
+    # beq over one load to the other one; and with a load that an instruction between them replaces
+    assert calls([TAG, OTHER, 0x0A00_0000, *CALL[1:]]) == [(28, {2, 5})]
+    assert calls([TAG, 0xE3A0_4000, 0x0A00_0000, *CALL[1:]]) == []
+    # ldrne r4, [r3, #8] and ldreq r4, [r3, #20]: one of them is executed; not if a cmp is between
+    either = [TAG, 0x1593_4008, 0x0593_4014, *CALL[2:]]
+    assert calls(either) == [(24, {2, 5})]
+    assert calls([*either[:2], 0xE350_0000, *either[2:]]) == []
+    for address in range(4, 4 * len(CALL), 4):
+        assert calls(CALL, address) == []  # perhaps the target of a jump that is not seen
+
+
+@pytest.mark.parametrize(
+    "instructions",
+    [
+        [0xE513_300C, *CALL[1:]],  # a predefined operation: ldr r3, [r3, #-12]
+        [0xE59F_3000, *CALL[1:]],  # a constant: ldr r3, [pc]
+        [TAG, OPERATION, BRANCH],  # an address: no descriptor is looked for
+        [TAG, 0xE283_3004, *CALL[1:]],  # add r3, r3, #4
+        [TAG, 0xE4B3_2004, *CALL[1:]],  # ldrt r2, [r3], #4
+        [TAG, OPERATION, 0xE283_4004, *CALL[2:]],  # add r4, r3, #4
+        [0xE3A0_4000, TAG, 0x1593_4014, *CALL[2:]],  # mov r4, #0 before ldrne r4, [r3, #20]
+        [TAG, 0xEB00_0000, *CALL[1:]],  # bl: r3 is what it returns
+        [TAG, 0xEA00_0010, *CALL[1:]],  # b: what leads to the next instruction is not seen
+    ],
+)
+def test_code_that_takes_something_else_than_a_word_of_a_table_is_not_taken_for_it(
+    instructions: list[int],
+) -> None:
+    assert calls(instructions) == []
+
+
+@pytest.mark.parametrize("line", ["1K9*Shapes 24-5", "* shapes", "1"])
+def test_a_library_file_with_lines_that_are_not_understood_is_refused(
+    line: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "shapes.ali"
+    path.write_text(f'V "GNAT Lib v12"\nD shapes.ads 20260101 0 shapes%s\nX 1 shapes.ads\n{line}\n')
+    with pytest.raises(ValueError, match="is no"):
+        read_library(path)
