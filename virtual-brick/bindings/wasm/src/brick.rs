@@ -53,13 +53,15 @@ impl VirtualBrick {
         let limit = cycles as u64;
         loop {
             self.scope.sample(&self.brick);
-            let slice = self
-                .scope
-                .next_cycles()
-                .min(Displays::next_cycles(&self.brick));
-            let stop = self.brick.run_until(slice.min(limit));
-            self.displays.look(&self.brick);
-            if self.brick.ended().is_some() || self.brick.cycles() >= limit {
+            let look_cycles = limit.min(Displays::next_cycles(&self.brick));
+            let stop = self
+                .brick
+                .run_until(look_cycles.min(self.scope.next_cycles()));
+            let ended = self.brick.ended().is_some();
+            if ended || self.brick.cycles() >= look_cycles {
+                self.displays.look(&self.brick);
+            }
+            if ended || self.brick.cycles() >= limit {
                 return stop_json(&stop);
             }
         }
