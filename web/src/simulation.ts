@@ -7,10 +7,12 @@ import { withoutDebugInformation } from "./elf";
 import { logPins, measure } from "./measuring";
 import type { Frame, InputDescription, Measured, Place, Ready, Stop } from "./protocol";
 import type { SourceLine, Thread } from "./protocol";
-import type { Run, Session, TimedInput } from "./session";
+import type { Run, Session, TimedInput, Tunable } from "./session";
 
 /** The wall clock is looked at after this many virtual milliseconds. */
 const PIECE_MS = 1;
+/** The same as fast as possible, where each look costs speed. */
+const FAST_PIECE_MS = 5;
 const RATE_WINDOW_MS = 500;
 const SCOPE_PERIOD_MS = 1;
 /** Before anybody sets them; the same inputs have no effect in a stimulus file. */
@@ -28,6 +30,8 @@ export class Simulation {
   /** Inputs of the scenario or of a replayed run, scheduled at the beginning. */
   private scheduled: TimedInput[] = [];
   private applied: TimedInput[] = [];
+  /** Those that the image has, as far as they were asked for. */
+  private tunables = new Set<Tunable>();
   private stop: Stop | null = null;
   private lcd: Uint8Array | null = null;
   private eventsSeen = 0;
@@ -60,6 +64,7 @@ export class Simulation {
     [this.session, this.elf, this.replay] = [session, elf, replay];
     this.scheduled = [...session.inputs].sort((a, b) => a.at_cycles - b.at_cycles);
     this.applied = [];
+    this.tunables = new Set(session.tunables);
     [this.stop, this.lcd, this.judged] = [null, null, null];
     [this.running, this.replayLeft] = [false, false];
     [this.eventsSeen, this.soundSeen, this.lag, this.target_cycles] = [0, 0, 0, 0];
@@ -175,8 +180,9 @@ export class Simulation {
     const start = this.cycles;
     const wanted = elapsed_ms * this.factor * (CLOCK_HZ / 1000) + this.lag;
     const target = Number.isFinite(wanted) ? start + wanted : Infinity;
+    const piece_cycles = cyclesOfMs(Number.isFinite(target) ? PIECE_MS : FAST_PIECE_MS);
     while (this.cycles < target && !this.ended && !this.replayEnded) {
-      this.runTo(Math.min(this.cycles + cyclesOfMs(PIECE_MS), Math.ceil(target)));
+      this.runTo(Math.min(this.cycles + piece_cycles, Math.ceil(target)));
       if (wall() - began > budget_ms) break;
     }
     // What a slow machine could not do is given up: the run gets slower than asked for.
@@ -234,14 +240,15 @@ export class Simulation {
     return [...due, ...this.applied].sort((a, b) => a.at_cycles - b.at_cycles);
   }
 
-  /** Tunable variables that the image has. */
+  /** Tunable variables that the image has: another image may lack some. */
   private variables(): Record<string, number> {
     const found: Record<string, number> = {};
-    for (const { path, seen } of this.session.tunables ?? []) {
+    for (const tunable of this.tunables) {
+      const { path, seen } = tunable;
       try {
         found[path] = this.core.variable(seen ?? path);
       } catch {
-        // Another image: the page does not offer what is not there.
+        this.tunables.delete(tunable);
       }
     }
     return found;

@@ -33,6 +33,22 @@ class CountingCore {
   add_probe = () => undefined;
   choose_scope = () => undefined;
   digest = () => `at ${this.now}`;
+  events = () => new Uint8Array();
+  event_count = () => 0;
+  lcd = () => new Uint8Array();
+  signals = () => "{}";
+  take_scope = () => new Float64Array();
+  sound = () => new Int16Array();
+  threads = () => "[]";
+  place = () => "{}";
+  calls = () => "[]";
+  /** Variables that were asked for. */
+  asked: string[] = [];
+  variable(path: string): number {
+    this.asked.push(path);
+    if (path === "missing") throw new Error("no variable");
+    return 1;
+  }
   free = () => undefined;
 }
 
@@ -47,7 +63,7 @@ function begin(inputs = PLAIN_SESSION.inputs, halts_at = Infinity) {
   }
   const simulation = new Simulation(Made as unknown as CoreClass);
   simulation.load({ ...PLAIN_SESSION, inputs }, new Uint8Array());
-  return { simulation, core: cores[0] as CountingCore };
+  return { simulation, cores, core: cores[0] as CountingCore };
 }
 
 /** A wall clock that gains `step` with each look. */
@@ -82,6 +98,20 @@ describe("the pace", () => {
     simulation.running = true;
     simulation.advance(16, 13, steppingClock(1));
     expect(core.limits.length).toBe(14);
+    expect(core.now).toBe(core.limits.length * cyclesOfMs(5));
+  });
+});
+
+describe("tunable variables", () => {
+  it("are read for each frame; those that the image lacks are asked for once", () => {
+    const { simulation, cores } = begin();
+    const common = { unit: "", description: "", value: 0, whole: false, lowest: 0, highest: 1 };
+    const tunables = ["there", "missing"].map((path) => ({ ...common, path }));
+    simulation.load({ ...PLAIN_SESSION, tunables }, new Uint8Array());
+    for (const wall of [0, 16, 32]) {
+      expect(simulation.frame(wall).variables).toEqual({ there: 1 });
+    }
+    expect(cores.at(-1)?.asked).toEqual(["there", "missing", "there", "there"]);
   });
 });
 

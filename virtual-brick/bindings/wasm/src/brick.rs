@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The brick as a JavaScript class.
 
+use std::collections::HashMap;
+
 use serde_json::json;
 use trace::NameSpace;
-use virtual_brick::{Configuration, Stop, CLOCK_HZ};
+use virtual_brick::{Configuration, ScalarKind, Stop, CLOCK_HZ};
 use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen::JsError;
 
@@ -22,6 +24,8 @@ pub struct VirtualBrick {
     pub(crate) displays: Displays,
     pub(crate) pins: Vec<u32>,
     scope: Scope,
+    /// Address and kind by path: the debug information is searched once for each.
+    variables: HashMap<String, (u32, ScalarKind)>,
 }
 
 #[wasm_bindgen]
@@ -35,6 +39,7 @@ impl VirtualBrick {
             displays: Displays::default(),
             pins: Vec::new(),
             scope: Scope::default(),
+            variables: HashMap::new(),
         })
     }
 
@@ -48,13 +53,15 @@ impl VirtualBrick {
         let limit = cycles as u64;
         loop {
             self.scope.sample(&self.brick);
-            let slice = self
-                .scope
-                .next_cycles()
-                .min(Displays::next_cycles(&self.brick));
-            let stop = self.brick.run_until(slice.min(limit));
-            self.displays.look(&self.brick);
-            if self.brick.ended().is_some() || self.brick.cycles() >= limit {
+            let look_cycles = limit.min(Displays::next_cycles(&self.brick));
+            let stop = self
+                .brick
+                .run_until(look_cycles.min(self.scope.next_cycles()));
+            let ended = self.brick.ended().is_some();
+            if ended || self.brick.cycles() >= look_cycles {
+                self.displays.look(&self.brick);
+            }
+            if ended || self.brick.cycles() >= limit {
                 return stop_json(&stop);
             }
         }
@@ -175,8 +182,15 @@ impl VirtualBrick {
     }
 
     /// The number that a variable of the program has now; throws when there is none.
-    pub fn variable(&self, path: &str) -> Result<f64, JsError> {
-        Ok(self.brick.read_scalar(path, None)?.as_float())
+    pub fn variable(&mut self, path: &str) -> Result<f64, JsError> {
+        let Some(&(address, kind)) = self.variables.get(path) else {
+            let probe = self.brick.read_scalar(path, None)?;
+            let place = (probe.address, probe.kind);
+            self.variables.insert(path.to_owned(), place);
+            return Ok(probe.as_float());
+        };
+        let bytes = self.brick.read_memory(address, kind.size() as usize);
+        Ok(bytes.map_or(0.0, |bytes| kind.to_f64(&bytes)))
     }
 
     /// Names of signals, pins excepted, and of global objects in memory: `{signals, symbols}` as

@@ -10,8 +10,8 @@ const ROWS_MAX: usize = 100_000;
 /// What a channel shows.
 #[derive(Clone, Debug)]
 enum Source {
-    /// Last sample of a recorded signal.
-    Signal(String),
+    /// Last sample of a recorded signal, by its position.
+    Signal(usize),
     /// Level of a pin of the chip.
     Pin(u32),
     /// A scalar in memory.
@@ -81,10 +81,11 @@ fn source(brick: &VirtualBrick, channel: &str) -> Result<Source, String> {
     let refused = || format!("`{channel}` is no channel; say signal:NAME, pin:N or symbol:PATH");
     let (kind, name) = channel.split_once(':').ok_or_else(refused)?;
     match kind {
-        "signal" => match brick.trace().signals().get(name) {
-            Some(_) => Ok(Source::Signal(name.to_owned())),
-            None => Err(format!("this brick has no signal `{name}`")),
-        },
+        "signal" => {
+            let position = brick.trace().signals().iter().position(|s| s.name == name);
+            let position = position.ok_or_else(|| format!("this brick has no signal `{name}`"))?;
+            Ok(Source::Signal(position))
+        }
         "pin" => match name.parse::<u32>() {
             Ok(pin) if pin < 32 => Ok(Source::Pin(pin)),
             _ => Err(format!("`{name}` is no pin; expected 0 to 31")),
@@ -107,8 +108,8 @@ fn source(brick: &VirtualBrick, channel: &str) -> Result<Source, String> {
 
 fn value(brick: &VirtualBrick, source: &Source) -> f64 {
     match source {
-        Source::Signal(name) => {
-            let signal = brick.trace().signals().get(name);
+        Source::Signal(position) => {
+            let signal = brick.trace().signals().iter().nth(*position);
             let last = signal.and_then(|signal| signal.values.last().copied());
             last.unwrap_or(f64::NAN)
         }
