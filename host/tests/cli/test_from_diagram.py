@@ -190,6 +190,11 @@ def test_design_and_demo_show_a_controller_without_a_plant(tmp_path: Path) -> No
     done = CliRunner().invoke(app, ["design", str(project), "--plots"])
     assert done.exit_code == ExitCode.DESIGN_FAILED
     assert "no loop" in done.output
+    next(project.rglob("design.json")).unlink()
+    replace(project / "design.py", "if arguments.results:", "if False:")
+    done = CliRunner().invoke(app, ["design", str(project)])
+    assert done.exit_code == ExitCode.DESIGN_FAILED
+    assert "design.py: wrote no figures" in done.output
 
 
 @pytest.mark.parametrize(
