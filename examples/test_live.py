@@ -164,12 +164,13 @@ def test_live_steps_lie_on_the_design() -> None:
     but for the counts of which the program makes the speed."""
     steps, design = steps_and_design(each_ms=600)
     assert [round(step.height, 3) for step in steps] == [4.0, -2.0, 3.0, -2.0]
+    sampled = design.responses["sampled"]
     for step in steps:
-        designed = np.interp(step.times, design.sampled.times, design.sampled.values)
+        designed = np.interp(step.times, sampled.times, sampled.values)
         off = step.values - designed
         assert abs(np.mean(off[step.times > 0.3])) < 0.02
         assert np.mean(np.abs(off)) < QUANTUM_V / abs(step.height)
-        delayed = np.interp(step.times - WINDOW_S / 2, design.sampled.times, design.sampled.values)
+        delayed = np.interp(step.times - WINDOW_S / 2, sampled.times, sampled.values)
         assert np.mean(np.abs(step.values - delayed)) < np.mean(np.abs(off))
 
 

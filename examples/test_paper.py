@@ -116,8 +116,9 @@ def test_live_steps_of_the_paper_lie_on_its_design() -> None:
     """Averaged over eight samples, four steps follow the sampled design."""
     steps, design = steps_and_design(each_ms=600, example=PAPER)
     assert [round(step.height, 3) for step in steps] == [4.0, -2.0, 2.5, -1.5]
+    sampled = design.responses["sampled"]
     for step in steps:
-        designed = np.interp(step.times, design.sampled.times, design.sampled.values)
+        designed = np.interp(step.times, sampled.times, sampled.values)
         off = step.values - designed
         assert abs(np.mean(off)) < 0.03
         assert np.mean(np.abs(off)) < WINDOW_QUANTUM_V / abs(step.height)

@@ -8,6 +8,7 @@ import ast
 import contextlib
 import io
 import json
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,10 @@ class Cell:
 
 
 def run_notebook(path: Path) -> tuple[list[Cell], dict[str, Any]]:
-    """All cells in order in one namespace, and the namespace; an error stops it."""
+    """All cells in order in one namespace, and the namespace; an error stops it.
+
+    Lines for the notebook itself, which begin with `%`, are left out.
+    """
     content = json.loads(path.read_text(encoding="utf-8"))
     names: dict[str, Any] = {"__name__": "__main__"}
     cells = []
@@ -41,7 +45,7 @@ def run_notebook(path: Path) -> tuple[list[Cell], dict[str, Any]]:
 
 
 def _run(text: str, place: str, names: dict[str, Any]) -> Any:
-    tree = ast.parse(text, place)
+    tree = ast.parse(re.sub("^%.*", "", text, flags=re.MULTILINE), place)
     last = tree.body[-1] if tree.body and isinstance(tree.body[-1], ast.Expr) else None
     if last is not None:
         tree.body.pop()

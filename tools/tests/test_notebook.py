@@ -24,6 +24,8 @@ def test_the_notebook_runs_from_top_to_bottom() -> None:
     assert 0 < names["proof"].closed_loop.rounding < 1.051e-3
     figures = [cell.value for cell in cells if hasattr(cell.value, "savefig")]
     assert len(figures) == 2
+    first = next(cell for cell in cells if hasattr(cell.value, "savefig"))
+    assert first.text.startswith("%matplotlib inline\n")  # else a notebook prints "<Figure size"
     for axis in (axis for figure in figures for axis in figure.axes):
         assert axis.get_ylabel().endswith(")")
     assert any("all come to rest" in cell.printed for cell in cells)
@@ -47,12 +49,18 @@ def test_an_error_names_the_cell(tmp_path: Path) -> None:
 
 
 def test_a_page_shows_code_output_and_pictures(tmp_path: Path) -> None:
-    """In their order."""
-    source = ["from matplotlib.figure import Figure\n", "print('seen')\n", "Figure()"]
+    """In their order, with the line that makes a notebook show pictures."""
+    source = ["%matplotlib inline\n", "from matplotlib.figure import Figure\n"]
+    source += ["print('seen')\n", "Figure()"]
     head = {"cell_type": "markdown", "source": ["# Head"]}
     cells = [head, {"cell_type": "code", "source": source}]
     (tmp_path / "small.ipynb").write_text(json.dumps({"cells": cells}))
     page = notebook_page(tmp_path / "small.ipynb", tmp_path, "pictures")
-    assert page.index("# Head") < page.index("Figure()") < page.index("```text\nseen")
+    assert (
+        page.index("# Head")
+        < page.index("%matplotlib")
+        < page.index("Figure()")
+        < page.index("```text\nseen")
+    )
     assert "](pictures/small-1.svg)" in page
     assert (tmp_path / "small-1.svg").is_file()

@@ -5,29 +5,23 @@
 from __future__ import annotations
 
 import json
-import shutil
-import subprocess
-import zipfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 from verification.support.bricks.nxt_firmware import CONFIGURATION, encoder, firmware_brick, run_ms
+from verification.support.fmu.units import flywheel
 
 from ravenbrick.brick.fmu_body import CoSimulation, FmuBody
 from ravenbrick.brick.links.peers import UsbComputer
 from ravenbrick.brick.links.telegrams import UsbTelegrams
-from ravenbrick.catalogue import part_values
 from ravenbrick.cli.app import app
 from ravenbrick.errors import RunFaultError, UsageError
 
-SOURCES = Path(__file__).parent / "fmu"
 BENCH = Path(__file__).resolve().parents[3] / "examples" / "motor-bench"
 MENU_MS = 6_000
-MOTOR = [f"-D{name.upper()}={value!r}" for name, value in part_values("motors", "nxt").items()]
-# Where a unit of each version keeps its library.
-FOLDERS = {2: "linux64", 3: "x86_64-linux"}
 Build = Callable[..., Path]
 
 pytestmark = pytest.mark.long("needs FMPy")
@@ -35,21 +29,9 @@ pytestmark = pytest.mark.long("needs FMPy")
 
 @pytest.fixture
 def build(tmp_path: Path) -> Build:
-    """Builds the FMU of `fmu/` for a version of FMI with the computer's C compiler."""
+    """Builds the flywheel for a version of FMI."""
     pytest.importorskip("fmpy", reason="optional: pip install -r tools/requirements/fmu.txt")
-
-    def built(version: int, *options: str) -> Path:
-        library = tmp_path / f"flywheel{version}.so"
-        command = ["gcc", "-O1", "-fPIC", "-shared", "-Wall", "-Werror", *MOTOR, *options]
-        source = SOURCES / f"fmi{version}.c"
-        subprocess.run([*command, "-o", str(library), str(source)], check=True)
-        unit = tmp_path / f"flywheel{version}.fmu"
-        with zipfile.ZipFile(unit, "w") as archive:
-            archive.write(SOURCES / f"fmi{version}.xml", "modelDescription.xml")
-            archive.write(library, f"binaries/{FOLDERS[version]}/flywheel.so")
-        return unit
-
-    return built
+    return partial(flywheel, tmp_path)
 
 
 def driven(path: Path) -> tuple[float, float, str]:
@@ -120,19 +102,13 @@ def test_a_snapshot_of_a_run_with_a_unit_is_refused(build: Build, tmp_path: Path
 
 
 def test_what_is_no_unit_for_motors_is_refused_with_words(tmp_path: Path, build: Build) -> None:
-    flywheel = build(2)
     with pytest.raises(UsageError, match="no such file"):
         FmuBody(tmp_path / "absent.fmu")
     damaged = tmp_path / "damaged.fmu"
     damaged.write_bytes(b"PK\3\4 nothing")
     with pytest.raises(UsageError, match="cannot be read as an FMU"):
         FmuBody(damaged)
-    nameless = tmp_path / "nameless.fmu"
-    shutil.copy(flywheel, nameless)
-    text = (SOURCES / "fmi2.xml").read_text().replace("angle_B", "shaft")
-    with zipfile.ZipFile(nameless, "w") as archive:
-        archive.writestr("modelDescription.xml", text)
     with pytest.raises(UsageError, match="voltage_A"):
-        FmuBody(nameless)
+        FmuBody(build(3, replaced={"angle_B": "shaft"}))
     with pytest.raises(UsageError, match="port B"):
-        FmuBody(flywheel).configuration({"motors": {}})
+        FmuBody(build(2)).configuration({"motors": {}})

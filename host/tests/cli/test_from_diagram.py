@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -169,6 +170,31 @@ def test_a_controller_drives_its_robot_in_floating_and_in_fixed_point(
     assert done.exit_code == 0, done.output
     header = (project / "generated" / "functional.h").read_text()
     assert ("sfix16_En" in header) == (form == "fixed")
+
+
+@NEEDS_TOOLCHAIN
+@NEEDS_VIRTUAL_BRICK
+def test_design_and_demo_show_a_controller_without_a_plant(tmp_path: Path) -> None:
+    """Its linear block as held beside the design, and its picture in the report."""
+    project = project_of(CONTROLLERS["mixed-rate"], "floating", tmp_path)
+    done = CliRunner().invoke(app, ["design", str(project), "--json"])
+    assert done.exit_code == 0, done.output
+    answer = json.loads(done.output)
+    (row,) = answer["fidelity"]["blocks"]
+    assert answer["figures"] == {} and row["block"] == "Speed"
+    assert 0 < row["response_error"] < 1e-3 and 0 < row["step_error"] < 1e-3
+    done = CliRunner().invoke(app, ["demo", str(project), "--json"])
+    assert done.exit_code == 0, done.output
+    report = next(project.rglob("report.html")).read_text(encoding="utf-8")
+    assert "Block diagram of the controller" in report
+    done = CliRunner().invoke(app, ["design", str(project), "--plots"])
+    assert done.exit_code == ExitCode.DESIGN_FAILED
+    assert "no loop" in done.output
+    next(project.rglob("design.json")).unlink()
+    replace(project / "design.py", "if arguments.results:", "if False:")
+    done = CliRunner().invoke(app, ["design", str(project)])
+    assert done.exit_code == ExitCode.DESIGN_FAILED
+    assert "design.py: wrote no figures" in done.output
 
 
 @pytest.mark.parametrize(

@@ -68,8 +68,8 @@ def test_the_report_can_read_the_results(design: Design, tmp_path: Path) -> None
     path = tmp_path / "design.json"
     design.write_results(path)
     read = read_design(path)
-    assert read.continuous.settling_time == pytest.approx(0.4)
-    assert read.sampled.values[-1] == pytest.approx(1.0, abs=0.01)
+    assert read.responses["continuous"].settling_time == pytest.approx(0.4)
+    assert read.responses["sampled"].values[-1] == pytest.approx(1.0, abs=0.01)
     assert all(isinstance(value, float) for value in read.figures.values())
     rows = json.loads(path.read_text())["estimators"]
     assert [row["window"] for row in rows] == [1, 8]

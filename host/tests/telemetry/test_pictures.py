@@ -117,7 +117,7 @@ def test_pictures_name_axes_and_units() -> None:
     times = np.linspace(0, 0.5, 100)
     response = Response(times, 1 - np.exp(-times / TIME_CONSTANT), 0.4, 0.0)
     steps = live_steps(session.run.recording(), "setpoint", "speed")
-    design = Design(response, response, {}, ())
+    design = Design({"continuous": response, "sampled": response}, {}, ())
     axes = steps_figure(steps, design, "setpoint", "speed").axes[0]
     assert axes.get_ylabel() == "speed per step of setpoint"
     lines = axes.get_lines()

@@ -17,8 +17,8 @@ from typing import Any
 
 from ravenbrick.brick.slices import run_until_picture
 from ravenbrick.clock import MASTER_CLOCK
-from ravenbrick.errors import RunFaultError, UsageError
-from ravenbrick.installation import optional_module
+from ravenbrick.errors import UsageError
+from ravenbrick.fmu import FmuFile, FmuUnit
 
 __all__ = ["CoSimulation", "FmuBody"]
 
@@ -27,58 +27,21 @@ STEP_CYCLES = 4_800
 _HAND_RATE = 100.0
 
 
-def _library(name: str) -> Any:
-    return optional_module(name, "FMPy", "fmu", "an FMU")
-
-
 class FmuBody:
     """An FMU, unpacked and initialised."""
 
     def __init__(self, path: Path) -> None:
-        if not path.is_file():
-            raise UsageError(f"{path}: there is no such file; name a co-simulation FMU")
-        fmpy = _library("fmpy")
-        try:
-            model = fmpy.read_model_description(str(path))
-            folder = fmpy.extract(str(path))
-        except Exception as error:
-            raise UsageError(f"{path}: cannot be read as an FMU: {error}") from None
-        if model.coSimulation is None:
-            raise UsageError(f"{path}: is for model exchange; export it for co-simulation")
-        names = {variable.name: variable for variable in model.modelVariables}
-        self.ports = tuple(p for p in "ABC" if f"angle_{p}" in names and f"voltage_{p}" in names)
+        file = FmuFile(path)
+        known = file.variables
+        self.ports = tuple(p for p in "ABC" if f"angle_{p}" in known and f"voltage_{p}" in known)
         if not self.ports:
             raise UsageError(
                 f"{path}: has no motor; name its inputs voltage_A, _B, _C and its outputs "
                 "angle_A, _B, _C"
             )
         self.path = path
-        self._inputs = [names[f"voltage_{p}"].valueReference for p in self.ports]
-        self._outputs = [names[f"angle_{p}"].valueReference for p in self.ports]
-        self._third = str(model.fmiVersion).startswith("3")
-        self._unit = self._instance(model, folder)
-
-    def _instance(self, model: Any, folder: str) -> Any:
-        identity = {
-            "guid": model.guid,
-            "unzipDirectory": folder,
-            "modelIdentifier": model.coSimulation.modelIdentifier,
-            "instanceName": "body",
-        }
-        try:
-            if self._third:
-                unit = _library("fmpy.fmi3").FMU3Slave(**identity)
-                unit.instantiate()
-                unit.enterInitializationMode(startTime=0.0)
-            else:
-                unit = _library("fmpy.fmi2").FMU2Slave(**identity)
-                unit.instantiate()
-                unit.setupExperiment(startTime=0.0)
-                unit.enterInitializationMode()
-            unit.exitInitializationMode()
-        except Exception as error:
-            raise UsageError(f"{self.path}: cannot be started: {error}") from None
-        return unit
+        inputs, outputs = ([f"{n}_{p}" for p in self.ports] for n in ("voltage", "angle"))
+        self._unit = FmuUnit(file, inputs, outputs)
 
     def configuration(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """A brick's configuration with this body: its motors follow the unit."""
@@ -95,33 +58,11 @@ class FmuBody:
     def step(self, number: int, voltages: list[float]) -> list[float]:
         """Angles in rad of `ports` after a step with these voltages. Raises RunFaultError."""
         length = Fraction(STEP_CYCLES) / MASTER_CLOCK.hertz
-        step = {
-            "currentCommunicationPoint": float(number * length),
-            "communicationStepSize": float(length),
-        }
-        write, read = (
-            (self._unit.setFloat64, self._unit.getFloat64)
-            if self._third
-            else (self._unit.setReal, self._unit.getReal)
-        )
-        try:
-            write(self._inputs, voltages)
-            answer = self._unit.doStep(**step)
-            angles = [float(angle) for angle in read(self._outputs)]
-        except Exception as error:
-            raise RunFaultError(f"{self.path}: failed in step {number}: {error}") from None
-        if self._third and (answer[1] or answer[2]):
-            # FMI 3.0, 4.2.1: terminateSimulation, earlyReturn; events are not asked for.
-            at_s = step["currentCommunicationPoint"]
-            raise RunFaultError(
-                f"{self.path}: terminated the simulation at {at_s:.4f} s of its time"
-            )
-        return angles
+        return self._unit.step(float(number * length), float(length), voltages)
 
     def close(self) -> None:
         """End the unit."""
-        self._unit.terminate()
-        self._unit.freeInstance()
+        self._unit.close()
 
 
 class CoSimulation:

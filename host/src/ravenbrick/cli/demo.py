@@ -42,8 +42,9 @@ __all__ = ["demo_command"]
 def _design(workspace: Workspace, reporter: Reporter) -> Design:
     with reporter.step("design and generate C") as step:
         design = design_project(workspace)
-        settled = design.sampled.settling_time or 0.0
-        step.note = f"sampled simulation settles in {1000 * settled:.0f} ms"
+        if "sampled" in design.responses:
+            settled = design.responses["sampled"].settling_time or 0.0
+            step.note = f"sampled simulation settles in {1000 * settled:.0f} ms"
     return design
 
 

@@ -68,9 +68,9 @@ def design_command(
         return _interactive(workspace, page, reporter)
     with reporter.step("design and generate C"):
         design = design_project(workspace)
-    reporter.table(
-        ("figure", "value"), [[name, f"{value:.6g}"] for name, value in design.figures.items()]
-    )
+    if design.figures:
+        rows = [[name, f"{value:.6g}"] for name, value in design.figures.items()]
+        reporter.table(("figure", "value"), rows)
     compared = _compared(workspace, reporter)
     generated = sorted(str(path) for path in (workspace.project / "generated").glob("*.[ch]"))
     reporter.print(f"design: {shown_path(workspace.design_file)}")

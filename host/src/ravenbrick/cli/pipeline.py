@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from ravenbrick.brick.protocol import Progress, no_progress
 from ravenbrick.cli.console import Reporter
-from ravenbrick.errors import RavenbrickError, shown_path
+from ravenbrick.errors import DesignError, RavenbrickError, shown_path
 from ravenbrick.image.build import BUSY, build_image, current_image, manifest_file
-from ravenbrick.image.design_script import run_design
+from ravenbrick.image.design_script import DESIGN_SCRIPT, run_design
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.locks import locked
 from ravenbrick.image.manifest import BuildManifest
@@ -56,6 +56,12 @@ def design_project(workspace: Workspace) -> Design:
     """Run design.py of the project; raises `DesignError`, which names its line."""
     with locked(workspace.products, BUSY):
         run_design(workspace)
+    if not workspace.design_file.is_file():
+        script = shown_path(workspace.project / DESIGN_SCRIPT)
+        raise DesignError(
+            f"{script}: wrote no figures; write those of the design to the file of --results, as "
+            "the design.py of a new project does"
+        )
     return read_design(workspace.design_file)
 
 

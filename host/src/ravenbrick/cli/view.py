@@ -115,9 +115,9 @@ def _design(workspace: Workspace) -> bytes:
         design = read_design(workspace.design_file)
     except DesignError:
         return NO_DESIGN
-    responses = {"continuous": design.continuous, "sampled": design.sampled}
-    drawn = {name: _response(response) for name, response in responses.items()}
-    return json.dumps({"responses": drawn, "diagram": design.diagram}).encode()
+    drawn = {name: _response(response) for name, response in design.responses.items()}
+    content = {"diagram": design.diagram} | ({"responses": drawn} if drawn else {})
+    return json.dumps(content).encode()
 
 
 @command("ravenbrick view examples/vehicle drive")

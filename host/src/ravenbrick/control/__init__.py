@@ -23,7 +23,7 @@ from ravenbrick.control.design.design import Design, EstimatorComparison, finish
 from ravenbrick.control.design.design_plots import DesignedLoop, Robustness, write_figure
 from ravenbrick.control.design.family import FamilyMember, gain_family
 from ravenbrick.control.design.interactive import InteractiveDesign, TunableLoop
-from ravenbrick.control.design.responses import write_loop_results
+from ravenbrick.control.design.responses import write_diagram_results, write_loop_results
 from ravenbrick.control.estimation.encoder_run import (
     EncoderRun,
     RunMeasures,
@@ -150,6 +150,7 @@ __all__ = [
     "step_metrics",
     "with_integrators",
     "worst_case",
+    "write_diagram_results",
     "write_figure",
     "write_loop_results",
 ]

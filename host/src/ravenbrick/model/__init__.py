@@ -82,6 +82,7 @@ from ravenbrick.model.picture.svg import diagram_svg
 from ravenbrick.model.program import DataType, Program
 from ravenbrick.model.simulation.closed_loop import Simulation
 from ravenbrick.model.simulation.execution import Execution
+from ravenbrick.model.simulation.fmu_plant import FmuPlant
 from ravenbrick.model.simulation.hybrid import Solver
 from ravenbrick.model.simulation.plants import linear_plant, motor_plant, vehicle_plant
 from ravenbrick.model.simulation.recording import Recording, Signal
@@ -124,6 +125,7 @@ __all__ = [
     "FixedFormat",
     "FixedPoint",
     "FixedPointOptions",
+    "FmuPlant",
     "Gain",
     "Inport",
     "IntegrationMethod",

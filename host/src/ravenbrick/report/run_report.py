@@ -11,7 +11,7 @@ from typing import Any
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.report.page import Figure, Figures, milliseconds, page, percent
 from ravenbrick.report.plots.path import path_drawing
-from ravenbrick.report.plots.step_response import step_drawing
+from ravenbrick.report.plots.step_response import DESIGNED, step_drawing
 from ravenbrick.report.plots.style import data_uri
 from ravenbrick.report.run_section import compared, run_section
 from ravenbrick.trace.design import Response
@@ -76,9 +76,8 @@ def _step(evidence: Evidence, figures: Figures) -> dict[str, Any] | None:
     if record is None:
         return None
     responses: list[tuple[str, Response | StepMeasures]] = []
-    if design is not None:
-        responses += [("continuous design", design.continuous)]
-        responses += [("sampled simulation", design.sampled)]
+    for name, designed in (design.responses if design else {}).items():
+        responses.append((DESIGNED[name][0], designed))
     for run in evidence.runs:
         for motor, step in run.measures.steps.items():
             name = f"on the brick, motor {motor} (scenario '{run.scenario.name}')"

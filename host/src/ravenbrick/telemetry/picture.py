@@ -88,7 +88,7 @@ def signals_figure(run: RunLog) -> Figure:
 def steps_figure(steps: Sequence[LiveStep], design: Design, setpoint: str, output: str) -> Figure:
     """Live step responses and the designed ones, per unit of the set-point, over s."""
     figure, (axis,) = new_figure(8.0, 4.4)
-    for name, response in (("continuous", design.continuous), ("sampled", design.sampled)):
+    for name, response in design.responses.items():
         label = f"{name} design"
         axis.plot(
             response.times,
@@ -109,7 +109,8 @@ def steps_figure(steps: Sequence[LiveStep], design: Design, setpoint: str, outpu
             label=f"live, step of {step.height:.3g} at {step.at_s:.2f} s",
         )
     axis.axhline(1.0, color=COLOURS["setpoint"], linewidth=1, linestyle=":", label=setpoint)
-    axis.set_xlim(0, float(design.sampled.times[-1]))
+    if "sampled" in design.responses:
+        axis.set_xlim(0, float(design.responses["sampled"].times[-1]))
     axis.set_xlabel("time after the step (s)")
     axis.set_ylabel(f"{output} per step of {setpoint}")
     legend(axis, "lower right")

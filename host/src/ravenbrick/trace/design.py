@@ -17,6 +17,8 @@ from ravenbrick.errors import DesignError
 
 __all__ = ["Design", "Estimator", "Response", "read_design"]
 
+NAMES = ("continuous", "sampled")
+
 
 @dataclass(frozen=True)
 class Response:
@@ -41,13 +43,14 @@ class Estimator:
 
 @dataclass(frozen=True)
 class Design:
-    """Continuous design, sampled simulation, and the figures of the design by name.
+    """Designed responses and the figures of the design, by name.
 
-    `diagram` is the controller's picture (SVG), empty if design.py left none.
+    The responses are those of the `continuous` design and of the `sampled` simulation; a controller
+    without a plant, such as a diagram alone, has none. `diagram` is the controller's picture (SVG),
+    empty if design.py left none.
     """
 
-    continuous: Response
-    sampled: Response
+    responses: Mapping[str, Response]
     figures: Mapping[str, float]
     estimators: tuple[Estimator, ...]
     diagram: str = ""
@@ -70,8 +73,7 @@ def read_design(path: Path) -> Design:
     try:
         content = json.loads(path.read_text("utf-8"))
         return Design(
-            continuous=_response(content["continuous"]),
-            sampled=_response(content["sampled"]),
+            responses={name: _response(content[name]) for name in NAMES if name in content},
             figures=content["figures"],
             estimators=tuple(_estimator(table) for table in content.get("estimators", [])),
             diagram=str(content.get("diagram", "")),

@@ -159,9 +159,9 @@ def _deviation(run: Run | None) -> float | None:
 def _simulation_difference(evidence: Evidence) -> float | None:
     """Largest difference of the true speed from the sampled simulation, per set-point."""
     step, design = evidence.step_record, evidence.design
-    if step is None or design is None or not step.measures.setpoint:
+    simulated = design.responses.get("sampled") if design else None
+    if step is None or simulated is None or not step.measures.setpoint:
         return None
-    simulated = design.sampled
     within = step.times <= simulated.times[-1]
     expected = np.interp(step.times[within], simulated.times, simulated.values)
     measured = step.true[within] / step.measures.setpoint

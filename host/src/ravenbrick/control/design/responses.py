@@ -15,7 +15,7 @@ from ravenbrick.control.design.design_plots import written_system
 from ravenbrick.model import Diagram, diagram_svg, fidelity
 from ravenbrick.model.lazy import control
 
-__all__ = ["write_loop_results"]
+__all__ = ["write_diagram_results", "write_loop_results"]
 
 BAND = 0.02
 
@@ -59,6 +59,18 @@ def write_loop_results(
     if open_loop is not None:
         results["loop"] = {"open_loop": written_system(control.ss(open_loop))}
     if controller is not None:
-        results["fidelity"] = {"blocks": fidelity(controller).rows()}
-        results["diagram"] = diagram_svg(controller)
+        results |= _compared(controller)
     atomic_write(path, json.dumps(results, indent=1) + "\n")
+
+
+def write_diagram_results(path: Path, controller: Diagram) -> None:
+    """Write what a controller without a plant has: its comparison with the design, its picture."""
+    results = {"name": controller.name, "figures": {}, **_compared(controller)}
+    atomic_write(path, json.dumps(results, indent=1) + "\n")
+
+
+def _compared(controller: Diagram) -> dict[str, object]:
+    return {
+        "fidelity": {"blocks": fidelity(controller).rows()},
+        "diagram": diagram_svg(controller),
+    }

@@ -17,6 +17,7 @@ from ravenbrick.model.blocks.time_functions import TICK
 from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.number_format import FixedFormat
 from ravenbrick.model.simulation.execution import Execution
+from ravenbrick.model.simulation.fmu_plant import FmuPlant, FmuPlantRun
 from ravenbrick.model.simulation.hybrid import Hybrid, Solver
 from ravenbrick.model.simulation.plants import linear_plant
 from ravenbrick.model.simulation.recording import Recording, Signal
@@ -24,7 +25,6 @@ from ravenbrick.model.simulation.recording import Recording, Signal
 __all__ = ["Simulation", "sampled_blocks"]
 
 Input = float | Callable[[float], float] | tuple[Sequence[float], Sequence[float]]
-_POINTS = 1000
 
 
 class Simulation:
@@ -32,7 +32,7 @@ class Simulation:
 
     A controller is a diagram or program without continuous blocks, such as one in fixed point; it
     runs bit for bit as the generated C, at its own sample time. The plant is a diagram with
-    continuous blocks, or a linear system such as python-control's. An outport of one feeds inports
+    continuous blocks, a linear system such as python-control's, or an FMU. An outport feeds inports
     of the same name at others; `lines` adds {inport: outport} where names differ. What remains open
     is an input of the whole. Controllers run in the order given and see the plant just before
     they act; their outputs reach the plant `latency` (s) later and are held. Without a
@@ -46,7 +46,8 @@ class Simulation:
     ) -> None:  # fmt: skip
         given = [] if controller is None else controller
         several = list(given) if isinstance(given, Sequence) else [given]
-        self._plant = plant if isinstance(plant, Diagram) else linear_plant("plant", plant)
+        own = isinstance(plant, Diagram | FmuPlant)
+        self._plant = plant if own else linear_plant("plant", plant)
         self._controllers = several
         self._lines = dict(lines or {})
         self._solver = solver
@@ -112,23 +113,23 @@ class _Run:
     """One run: who is fed by whom, and the state of all parts."""
 
     def __init__(
-        self, plant: Diagram, controllers: Sequence[Diagram | ir.Program],
+        self, plant: Diagram | FmuPlant, controllers: Sequence[Diagram | ir.Program],
         lines: Mapping[str, str], solver: Solver | None,
     ) -> None:  # fmt: skip
-        self._diagram = plant
         self._parts = [_Part(model) for model in controllers]
-        sampled, self._has_samples = sampled_blocks(plant.flat())
-        self._plant = Hybrid(plant, sampled, solver, everything=True)
+        self._plant = (
+            FmuPlantRun(plant) if isinstance(plant, FmuPlant) else _DiagramRun(plant, solver)
+        )
         outputs = [slot.name for part in self._parts for slot in part.program.outputs]
-        own = [slot.name for slot in self._plant.program.outputs]
+        own = self._plant.outputs
         twice = {name for name in (*outputs, *own) if (*outputs, *own).count(name) > 1}
         if twice:
             raise DesignError(f"several parts have an outport '{min(twice)}'; rename one of them")
         self._feeds = {**{name: name for name in (*outputs, *own)}, **lines}
-        driven = [slot.name for slot in self._plant.program.inputs if slot.name in self._feeds]
+        driven = [name for name in self._plant.inputs if name in self._feeds]
         self._driven = {name: self._feeds[name] for name in driven}
         wrong = {source for source in lines.values() if source not in (*outputs, *own)}
-        inports = {slot.name for slot in self._plant.program.inputs}
+        inports = set(self._plant.inputs)
         inports |= {slot.name for part in self._parts for slot in part.program.inputs}
         wrong |= lines.keys() - inports
         if wrong:
@@ -146,20 +147,31 @@ class _Run:
                 known = ", ".join(self.open) or "none"
                 raise DesignError(f"the simulation has no input '{name}'; there are: {known}")
             self._given[name] = _recorded(*value) if isinstance(value, tuple) else value
-        for slot in self._plant.program.inputs:
-            if slot.name in self._given:
-                self._plant.give(slot.name, self._given[slot.name])
+        for name in self._plant.inputs:
+            if name in self._given:
+                self._plant.give(name, self._given[name])
 
     def until(self, stop: float, latency: float) -> Recording:
         """Run, and give what was recorded."""
+        try:
+            self._follow(stop, latency)
+            found = self._plant.recording()
+        finally:
+            self._plant.close()
+        signals = dict(found.signals)
+        for part in self._parts:
+            signals |= part.signals()
+        return Recording(signals, found.events)
+
+    def _follow(self, stop: float, latency: float) -> None:
         instants = self._instants(stop, latency)
         plant, values = self._plant, dict.fromkeys(self._feeds.values(), 0.0)
         late: dict[int, dict[str, float]] = {}
         lag = round(latency / TICK)
-        own = round(self._diagram.sample_time / TICK)
+        own = round(plant.period / TICK) if plant.period else 0
         for begin, end in zip(instants, [*instants[1:], stop], strict=True):
             tick = round(begin / TICK)
-            if self._has_samples and tick % own == 0:
+            if own and tick % own == 0:
                 plant.sample(begin)
             due = [part for part in self._parts if tick % part.ticks == 0]
             if due:
@@ -173,8 +185,7 @@ class _Run:
                 if source in applied:
                     plant.give(name, applied[source])
             plant.record(begin)
-            plant.advance(begin, end, stop, max(round(_POINTS * (end - begin) / stop), 1))
-        return self._recording()
+            plant.advance(begin, end)
 
     def _instants(self, stop: float, latency: float) -> list[float]:
         hits = [0.0]
@@ -183,8 +194,8 @@ class _Run:
             own = [k * period for k in range(int(stop / period + TICK) + 1)]
             hits += own
             hits += [hit + latency for hit in own if latency and hit + latency < stop]
-        if self._has_samples:
-            period = self._diagram.sample_time
+        if self._plant.period:
+            period = self._plant.period
             hits += [k * period for k in range(int(stop / period + TICK) + 1)]
         return self._plant.instants(stop, hits)
 
@@ -198,17 +209,30 @@ class _Run:
                 found[slot.name] = given(time) if callable(given) else given
         return found
 
-    def _recording(self) -> Recording:
-        response = self._plant.response()
-        names = _Names(self._diagram)
+
+class _DiagramRun(Hybrid):
+    """A plant as a diagram: its ports, and its signals by path."""
+
+    def __init__(self, diagram: Diagram, solver: Solver | None) -> None:
+        sampled, has_samples = sampled_blocks(diagram.flat())
+        super().__init__(diagram, sampled, solver, everything=True)
+        self.inputs = tuple(slot.name for slot in self.program.inputs)
+        self.outputs = tuple(slot.name for slot in self.program.outputs)
+        self.period = diagram.sample_time if has_samples else None
+        self._names = _Names(diagram)
+
+    def recording(self) -> Recording:
+        """All signals, and the events with the paths of their blocks."""
+        response, names = self.response(), self._names
         signals = {}
-        for slot in self._plant.shown:
+        for slot in self.shown:
             path, values = names.path(slot), response.signals[slot.name]
             signals[path] = Signal(path, response.times, values, names.unit(slot), held=False)
-        for part in self._parts:
-            signals |= part.signals()
         events = tuple((event.time, names.block(event.block)) for event in response.events)
         return Recording(signals, events)
+
+    def close(self) -> None:
+        """Nothing is open."""
 
 
 class _Names:

@@ -114,7 +114,7 @@ class Hybrid:
         self._times: list[float] = []
         self._rows: list[tuple[float, ...]] = []
         self._events: list[Event] = []
-        self._end = 0.0
+        self._end = self._stop = 0.0
 
     def run(self, stop: float, sample_time: float | None, inputs: Mapping[str, Given]) -> Response:
         """From 0 to `stop` (s), with samples every `sample_time` (s) if anything is sampled."""
@@ -127,7 +127,7 @@ class Hybrid:
             if not self._times or round(begin / TICK) in samples:
                 self.sample(begin)
             self.record(begin)
-            self.advance(begin, end, stop, max(round(_POINTS * (end - begin) / stop), 1))
+            self.advance(begin, end)
         return self.response()
 
     def give(self, name: str, value: Given) -> None:
@@ -152,7 +152,8 @@ class Hybrid:
         return [number * sample_time for number in range(count)]
 
     def instants(self, stop: float, hits: Sequence[float]) -> list[float]:
-        """Samples and jumps in order, each once."""
+        """Samples and jumps in order, each once; `stop` ends the run (s)."""
+        self._stop = stop
         breaks = [t for f in self._functions for t in f.breaks(stop) if 0 < t <= stop]
         found: dict[int, float] = {}
         for instant in (*hits, *breaks):
@@ -182,13 +183,14 @@ class Hybrid:
         self._times.append(time)
         self._rows.append(self._decisions.find(self._memory, self._at(seen)))
 
-    def advance(self, begin: float, end: float, stop: float, count: int) -> None:
-        """Integrate over a time without jumps and note `count` points; `stop` ends the run (s)."""
+    def advance(self, begin: float, end: float) -> None:
+        """Integrate over a time without jumps and note points, a thousand in the whole run."""
         if end <= begin:
             return
         self._end = end
+        count = max(round(_POINTS * (end - begin) / self._stop), 1)
         points = np.linspace(begin, end, count + 1)[1:]
-        dwell, quick = stop / _POINTS * _DWELL, 0
+        dwell, quick = self._stop / _POINTS * _DWELL, 0
         while points.size:
             self._memory[: len(self.x)] = self.x.tolist()
             self._decisions.find(self._memory, self._at(min(begin, end - TICK)))

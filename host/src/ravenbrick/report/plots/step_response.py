@@ -13,10 +13,14 @@ from ravenbrick.report.chart import COLOURS, SERIES, Drawing, Panel
 from ravenbrick.trace.design import Design
 from ravenbrick.trace.measures import StepRecord
 
-__all__ = ["step_drawing"]
+__all__ = ["DESIGNED", "step_drawing"]
 
 WIDTH, HEIGHT, LEFT, TOP = 930, 400, 62, 62
 SHOWN = 0.8
+DESIGNED = {
+    "continuous": ("continuous design", COLOURS["design"], "6 3"),
+    "sampled": ("sampled simulation", COLOURS["sampled"], "7 2 2 2"),
+}
 
 
 def _band(panel: Panel, height: float, share: float) -> None:
@@ -48,14 +52,11 @@ def step_drawing(design: Design | None, record: StepRecord) -> Drawing:
     within = record.times <= panel.x[1]
     panel.line(record.times[within], np.degrees(record.fitted[within]), SERIES[0], 3)
     lines = [(f"set-point ±{100 * brick.SETTLING_BAND:.0f} %", COLOURS["setpoint"], "2 3")]
-    if design is not None:
-        for label, response, colour, dash in (
-            ("continuous design", design.continuous, COLOURS["design"], "6 3"),
-            ("sampled simulation", design.sampled, COLOURS["sampled"], "7 2 2 2"),
-        ):
-            near = response.times <= panel.x[1]
-            panel.line(response.times[near], response.values[near] * height, colour, 1.6, dash=dash)
-            lines.append((label, colour, dash))
+    for name, response in (design.responses if design else {}).items():
+        label, colour, dash = DESIGNED[name]
+        near = response.times <= panel.x[1]
+        panel.line(response.times[near], response.values[near] * height, colour, 1.6, dash=dash)
+        lines.append((label, colour, dash))
     panel.legend(lines)
     Panel(drawing, LEFT, TOP - 20, *place[2:], panel.x, panel.y).legend(entries)
     settled = record.measures.settling_time
