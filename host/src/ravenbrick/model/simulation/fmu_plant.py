@@ -9,13 +9,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ravenbrick.errors import DesignError
-from ravenbrick.fmu import FmuFile, FmuUnit
 from ravenbrick.model.blocks.time_functions import TICK
 from ravenbrick.model.simulation.recording import Recording, Signal
+
+if TYPE_CHECKING:
+    from ravenbrick.fmu import FmuUnit
 
 __all__ = ["FmuPlant", "FmuPlantRun"]
 
@@ -50,8 +53,10 @@ class FmuPlantRun:
     """Nothing of it is sampled by the simulation."""
 
     def __init__(self, plant: FmuPlant) -> None:
-        self._plant = plant
-        self._file = FmuFile(Path(plant.path))
+        from ravenbrick import fmu  # a notebook in a browser has none
+
+        self._plant, self._begin = plant, fmu.FmuUnit
+        self._file = fmu.FmuFile(Path(plant.path))
         self.inputs = tuple(plant.inputs or self._file.inputs)
         self.outputs = tuple(plant.outputs or self._file.outputs)
         self._step = plant.step or self._file.step
@@ -63,7 +68,7 @@ class FmuPlantRun:
 
     def instants(self, stop: float, hits: Sequence[float]) -> list[float]:
         """Begin; samples in order, each once."""
-        self._unit = FmuUnit(self._file, self.inputs, self.outputs, self._plant.values)
+        self._unit = self._begin(self._file, self.inputs, self.outputs, self._plant.values)
         self._found = self._unit.outputs()
         ticks = {round(hit / TICK): hit for hit in hits}
         return [ticks[tick] for tick in sorted(ticks)]
