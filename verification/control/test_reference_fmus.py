@@ -7,30 +7,27 @@ from __future__ import annotations
 import csv
 import os
 import subprocess
-import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 from ravenbrick.model import FmuPlant, Simulation
 
-from verification.support.fmu.units import FOLDERS
+from verification.support.fmu.units import packed
 
 FOLDER = os.environ.get("RAVENBRICK_REFERENCE_FMUS")
 
 
 def built(source: Path, name: str, version: int, folder: Path) -> Path:
     """The unit of a model for a version of FMI."""
-    library, unit = folder / f"{name}.so", folder / f"{name}.fmu"
+    library = folder / f"{name}.so"
     own = (source / f"src/fmi{version}Functions.c", source / "src/cosimulation.c")
     command = ["gcc", "-O1", "-fPIC", "-shared", "-w", f"-DFMI_VERSION={version}"]
     command += ["-DDISABLE_PREFIX", f"-I{source / 'include'}", f"-I{source / name}"]
     files = map(str, (*own, source / name / "model.c"))
     subprocess.run([*command, *files, "-lm", "-o", str(library)], check=True)
-    with zipfile.ZipFile(unit, "w") as archive:
-        archive.write(source / name / f"FMI{version}.xml", "modelDescription.xml")
-        archive.write(library, f"binaries/{FOLDERS[version]}/{name}.so")
-    return unit
+    description = (source / name / f"FMI{version}.xml").read_text(encoding="utf-8")
+    return packed(library, name, version, description)
 
 
 @pytest.mark.skipif(FOLDER is None, reason="RAVENBRICK_REFERENCE_FMUS names no checkout")

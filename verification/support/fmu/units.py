@@ -22,12 +22,17 @@ def flywheel(folder: Path, version: int, *options: str, replaced: Mapping[str, s
     library = folder / f"flywheel{version}.so"
     command = ["gcc", "-O1", "-fPIC", "-shared", "-Wall", "-Werror", *MOTOR, *options]
     subprocess.run([*command, "-o", str(library), str(HERE / f"fmi{version}.c")], check=True)
-    unit = folder / f"flywheel{version}.fmu"
     description = (HERE / f"fmi{version}.xml").read_text(encoding="utf-8")
     for old, new in replaced.items():
         assert old in description
         description = description.replace(old, new)
+    return packed(library, "flywheel", version, description)
+
+
+def packed(library: Path, name: str, version: int, description: str) -> Path:
+    """The unit beside its library: that and the description in an archive."""
+    unit = library.with_suffix(".fmu")
     with zipfile.ZipFile(unit, "w") as archive:
         archive.writestr("modelDescription.xml", description)
-        archive.write(library, f"binaries/{FOLDERS[version]}/flywheel.so")
+        archive.write(library, f"binaries/{FOLDERS[version]}/{name}.so")
     return unit

@@ -364,7 +364,7 @@ def analyse(
     try:
         return _analyse(robot, image, brick, facts, timing)
     except ExecutionTimeError as question:
-        DispatchingCalls(image).told(question)
+        DispatchingCalls(image).explain(question)
         raise
 
 

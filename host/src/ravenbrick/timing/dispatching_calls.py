@@ -243,7 +243,7 @@ class DispatchingCalls:
             return str(reason)
         return "the code does not show the number of the word that is taken from a dispatch table"
 
-    def told(self, error: ExecutionTimeError) -> None:
+    def explain(self, error: ExecutionTimeError) -> None:
         """Add to a question about the targets of a call why they are not known."""
         place = UNKNOWN.search(str(error))
         reason = self._reason(int(place[1], 16)) if place else None

@@ -10,7 +10,7 @@ use virtual_brick::{Configuration, ScalarKind, Stop, CLOCK_HZ};
 use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen::JsError;
 
-use crate::scope::Scope;
+use crate::scope::{scalar, Scope};
 use crate::screens::Displays;
 use crate::steps::{Step, Stepper};
 
@@ -189,8 +189,7 @@ impl VirtualBrick {
             self.variables.insert(path.to_owned(), place);
             return Ok(probe.as_float());
         };
-        let bytes = self.brick.read_memory(address, kind.size() as usize);
-        Ok(bytes.map_or(0.0, |bytes| kind.to_f64(&bytes)))
+        Ok(scalar(&self.brick, address, kind))
     }
 
     /// Names of signals, pins excepted, and of global objects in memory: `{signals, symbols}` as

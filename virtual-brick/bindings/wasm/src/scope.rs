@@ -114,8 +114,13 @@ fn value(brick: &VirtualBrick, source: &Source) -> f64 {
             last.unwrap_or(f64::NAN)
         }
         Source::Pin(pin) => f64::from(brick.pins() >> pin & 1),
-        Source::Scalar { address, kind } => brick
-            .read_memory(*address, kind.size() as usize)
-            .map_or(f64::NAN, |bytes| kind.to_f64(&bytes)),
+        Source::Scalar { address, kind } => scalar(brick, *address, *kind),
     }
+}
+
+/// Value of a scalar in memory, NaN where there is none.
+pub fn scalar(brick: &VirtualBrick, address: u32, kind: ScalarKind) -> f64 {
+    brick
+        .read_memory(address, kind.size() as usize)
+        .map_or(f64::NAN, |bytes| kind.to_f64(&bytes))
 }

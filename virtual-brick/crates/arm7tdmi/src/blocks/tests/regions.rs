@@ -11,7 +11,10 @@ use crate::Cpu;
 
 const NE: u32 = 1;
 const THRESHOLD_RUNS: u32 = 10;
+/// Below a hundred runs, as in most tests, compilation has no budget.
+const BUDGETED_THRESHOLD_RUNS: u32 = 200;
 const OUTER: u32 = START + 4;
+const INNER: u32 = OUTER + 4;
 
 /// Counts r0 down from 20 in an inner loop, again and again.
 const OPCODES: [u32; 5] = [
@@ -33,8 +36,11 @@ struct Log {
 }
 
 /// A compiler whose code executes nothing: it takes a side exit in front of each block.
-#[derive(Clone, Debug, Default)]
-struct EmptyCode(Arc<Mutex<Log>>);
+#[derive(Clone, Debug)]
+struct EmptyCode {
+    log: Arc<Mutex<Log>>,
+    threshold_runs: u32,
+}
 
 impl Jit for EmptyCode {
     fn new_like(&self) -> Box<dyn Jit> {
@@ -42,11 +48,11 @@ impl Jit for EmptyCode {
     }
 
     fn threshold_runs(&self) -> u32 {
-        THRESHOLD_RUNS
+        self.threshold_runs
     }
 
     fn request(&mut self, region: Region, _ram: &RamView<'_>) -> CompileAnswer {
-        let mut log = self.0.lock().unwrap();
+        let mut log = self.log.lock().unwrap();
         if log.busy {
             return CompileAnswer::Busy;
         }
@@ -55,23 +61,23 @@ impl Jit for EmptyCode {
     }
 
     fn next_compiled(&mut self, _wait: bool) -> Option<u32> {
-        let log = self.0.lock().unwrap();
+        let log = self.log.lock().unwrap();
         log.requests.get(log.installed).map(|region| region.number)
     }
 
     fn install(&mut self, wanted: bool) -> bool {
-        self.0.lock().unwrap().installed += 1;
+        self.log.lock().unwrap().installed += 1;
         wanted
     }
 
     fn invalidate(&mut self, halfword: u32) {
-        self.0.lock().unwrap().invalid.push(halfword);
+        self.log.lock().unwrap().invalid.push(halfword);
     }
 
     fn invalidate_all(&mut self) {}
 
     fn code_bytes(&self) -> usize {
-        self.0.lock().unwrap().installed
+        self.log.lock().unwrap().installed
     }
 
     fn is_exhausted(&self) -> bool {
@@ -79,7 +85,7 @@ impl Jit for EmptyCode {
     }
 
     fn run(&mut self, halfword: u32, state: &mut GuestState, _ram: RamView<'_>) -> CodeExit {
-        let mut log = self.0.lock().unwrap();
+        let mut log = self.log.lock().unwrap();
         log.entries += 1;
         let mut blocks = log.requests.iter().flat_map(|region| &region.blocks);
         let block = blocks.find(|block| block.halfword == halfword).unwrap();
@@ -99,8 +105,15 @@ struct Fixture {
 }
 
 fn fixture() -> Fixture {
-    let jit = EmptyCode::default();
-    let log = Arc::clone(&jit.0);
+    fixture_with(THRESHOLD_RUNS)
+}
+
+fn fixture_with(threshold_runs: u32) -> Fixture {
+    let log = Arc::<Mutex<Log>>::default();
+    let jit = EmptyCode {
+        log: Arc::clone(&log),
+        threshold_runs,
+    };
     let (cpu, machine) = program(&OPCODES);
     let blocks = Blocks::with_jit(Box::new(jit));
     Fixture {
@@ -115,6 +128,13 @@ impl Fixture {
     fn run_until(&mut self, end: u64) {
         run_until(&mut self.cpu, &mut self.machine, &mut self.blocks, end);
     }
+
+    /// Writes a word that holds code as it is.
+    fn store_again(&mut self, address: u32) {
+        let opcode = self.machine.words[address as usize / 4];
+        store(&mut self.machine, address, opcode);
+        self.blocks.update(&mut self.machine);
+    }
 }
 
 #[test]
@@ -125,7 +145,7 @@ fn a_block_is_compiled_after_as_many_runs_as_the_threshold() {
     assert!(fixture.log.lock().unwrap().requests.is_empty());
     fixture.run_until(first_cycles + u64::from(THRESHOLD_RUNS + 4) * inner_cycles);
     let log = fixture.log.lock().unwrap();
-    assert_eq!(log.requests[0].blocks[0].key, OUTER + 4);
+    assert_eq!(log.requests[0].blocks[0].key, INNER);
 }
 
 #[test]
@@ -134,10 +154,10 @@ fn a_region_leaves_out_blocks_that_run_rarely() {
     fixture.run_until(1_000);
     let log = fixture.log.lock().unwrap();
     let keys = log.requests[0].blocks.iter().map(|block| block.key);
-    assert_eq!(keys.collect::<Vec<_>>(), [OUTER + 4]);
+    assert_eq!(keys.collect::<Vec<_>>(), [INNER]);
     let target = log.requests[0].blocks[0].instructions[1].target;
-    assert_eq!(target.map(|target| target.key), Some(OUTER + 4));
-    assert_eq!(OPCODES[3], branch(NE, OUTER + 8, OUTER + 4));
+    assert_eq!(target.map(|target| target.key), Some(INNER));
+    assert_eq!(OPCODES[3], branch(NE, OUTER + 8, INNER));
     assert_eq!(OPCODES[4], branch(ALWAYS, OUTER + 12, OUTER));
 }
 
@@ -172,12 +192,25 @@ fn a_busy_compiler_is_asked_again_after_as_many_runs() {
 fn a_change_of_one_block_invalidates_its_region() {
     let mut fixture = fixture();
     fixture.run_until(1_000);
-    let inner = OUTER + 4;
     assert!(fixture.log.lock().unwrap().invalid.is_empty());
-    let opcode = fixture.machine.words[inner as usize / 4];
-    store(&mut fixture.machine, inner, opcode);
-    fixture.blocks.update(&mut fixture.machine);
+    fixture.store_again(INNER);
     let log = fixture.log.lock().unwrap();
     let blocks = log.requests[0].blocks.iter().map(|block| block.halfword);
     assert_eq!(blocks.collect::<Vec<_>>(), log.invalid);
+}
+
+#[test]
+fn a_region_that_was_invalidated_before_it_paid_is_compiled_again_later() {
+    let mut fixture = fixture_with(BUDGETED_THRESHOLD_RUNS);
+    let compiled = |fixture: &Fixture| fixture.log.lock().unwrap().requests.len();
+    let mut cycles = 0;
+    while compiled(&fixture) == 0 {
+        cycles += 1_000;
+        fixture.run_until(cycles);
+    }
+    fixture.store_again(INNER);
+    fixture.run_until(2 * cycles + cycles / 2);
+    assert_eq!(compiled(&fixture), 1);
+    fixture.run_until(3 * cycles + cycles / 2);
+    assert_eq!(compiled(&fixture), 2);
 }
