@@ -68,6 +68,16 @@ COMMANDS = {
     "view": "Show and operate the virtual brick in a browser tab, where the program runs.",
     "wcet": "Bound the execution time of a function of an ELF file.",
 }
+# As `ravenbrick --help` lists them.
+GROUPS = {
+    "Design, build and run a robot": "new design build run demo report sweep export",
+    "Watch, debug and test": "view studio debug live monitor firmware",
+    "Models": "diagram import simulate bind identify",
+    "Timing": "analyse schedule wcet",
+    "A real brick": "upload compare-brick contribute check-data",
+    "A class": "class grade",
+    "This installation": "doctor home",
+}
 # Commands whose module has another name.
 ELSEWHERE = {
     "check-data": "check_data",
@@ -90,6 +100,12 @@ class Program(TyperGroup):
     def __init__(self, **attributes: Any) -> None:
         listed = {n: TyperCommand(n, help=h, short_help=h, **OPTIONS) for n, h in COMMANDS.items()}
         super().__init__(**{**attributes, "commands": listed})
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """See Typer; by groups."""
+        for group, names in GROUPS.items():
+            with formatter.section(group):
+                formatter.write_dl([(name, COMMANDS[name]) for name in names.split()])
 
     def get_params(self, ctx: Any) -> list[Any]:
         """See Typer, which loads pydantic for the default None of its own flags."""
