@@ -22,6 +22,7 @@ from tools.dist import write_wheel
 
 ROOT = Path(__file__).resolve().parents[2]
 CONTAINERFILE = ROOT / "tools" / "Containerfile"
+WITH_A_WHEEL = pytest.mark.long("builds and installs a wheel")
 # Libraries of others come from the environment of the tests; nothing else of the tree is opened,
 # and the sandbox is told the folders above them.
 NO_TREE = """
@@ -102,6 +103,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Machine:
     return machine
 
 
+@WITH_A_WHEEL
 def test_a_user_works_without_the_tree(machine: Machine) -> None:
     """From a template to a graded robot; what was installed stays as it is."""
     before = machine.tree
@@ -122,17 +124,20 @@ def test_a_user_works_without_the_tree(machine: Machine) -> None:
     assert machine.tree == before
 
 
+@WITH_A_WHEEL
 def test_a_user_designs_without_the_tree(machine: Machine) -> None:
     """The design's Python and its libraries are found."""
     machine.shell("ravenbrick new bench --template motor && ravenbrick design bench")
 
 
+@WITH_A_WHEEL
 def test_the_tree_is_out_of_reach(machine: Machine) -> None:
     """The two tests above can fail."""
     output = machine.shell(f"ravenbrick build {ROOT}/examples/blank", code=99)
     assert output.endswith("is in the tree")
 
 
+@WITH_A_WHEEL
 def test_equal_inputs_give_equal_wheels(machine: Machine, tmp_path: Path) -> None:
     """Made once more, the wheel has the same name and the same bytes."""
     (first,) = (machine.opt / "wheel").glob("*.whl")
@@ -140,6 +145,7 @@ def test_equal_inputs_give_equal_wheels(machine: Machine, tmp_path: Path) -> Non
     assert again.name == first.name and again.read_bytes() == first.read_bytes()
 
 
+@WITH_A_WHEEL
 def test_the_container_has_what_doctor_asks_for(machine: Machine) -> None:
     """The set-up installs these packages, too."""
     (step,) = (rest for _, rest in steps() if rest.startswith("apt-get"))
@@ -152,6 +158,7 @@ def test_the_container_has_what_doctor_asks_for(machine: Machine) -> None:
     assert set(names[1].split()) <= set((ROOT / "tools" / "pins.sh").read_text().split())
 
 
+@WITH_A_WHEEL
 def test_the_container_is_built(machine: Machine) -> None:
     """By whatever builder there is; its last step but one for root is `ravenbrick doctor`."""
     programs = [name for name in ("podman", "docker", "buildah") if shutil.which(name)]

@@ -27,7 +27,7 @@ from tools.docs.lessons import (
     teaching_page,
 )
 
-QUICK = ("03-identification.md", "06-inversion.md", "08-fixed-point.md", "12-ravenscar.md")
+QUICK = ("03-identification.md", "12-ravenscar.md")
 ALL = find([])
 PARTS = ["Goals", "Background", "Pre-lab", "Steps", "Experiment", "Results", "Discussion"]
 PARTS += ["Submission", "Going further", "On a real brick", "Sources"]

@@ -8,6 +8,8 @@ import re
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from tools.docs.lessons import run_text
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -31,6 +33,7 @@ def test_every_command_of_the_tutorial_succeeds() -> None:
     assert (ROOT / "out" / "vehicle" / "report.html").is_file()
 
 
+@pytest.mark.long("builds and analyses the paper's program")
 def test_every_command_beside_the_paper_succeeds_and_prints_what_the_page_quotes() -> None:
     """The page's commands run in order, in the folder of the clone."""
     page = ROOT / "docs" / "guides" / "the-paper.md"
