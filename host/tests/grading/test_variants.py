@@ -60,7 +60,7 @@ def test_own_constants_are_within_the_tolerances_of_the_catalogue() -> None:
     """And the student's robot.toml still allows all that the project's allows."""
     sheet = rubric("lab-04")
     nominal = sheet.robot.motors["nxt"]
-    for number in range(30):
+    for number in range(8):
         for name, own in sheet.variant(KEY, f"s{number}").robot.motors["own_b"].items():
             assert nominal[name].allows(own.value), name
             assert own.value >= 0 and own.allows(nominal[name].value - nominal[name].tolerance)

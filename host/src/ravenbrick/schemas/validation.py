@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterator
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from ravenbrick.errors import ProjectFileError
@@ -28,6 +29,8 @@ _TYPES = {
     "boolean": "true or false",
 }
 _UNKNOWN = "unknown field"
+# Nobody reads more, and a hostile file may have hundreds of thousands.
+_COMPLAINTS_MAX = 100
 _PORTS = "the brick has the motor ports A, B, C and the sensor ports 1, 2, 3, 4"
 
 
@@ -128,8 +131,8 @@ def _complaints(document: LocatedToml, name: str) -> Iterator[Complaint]:
 
 
 def validate(document: LocatedToml, name: str) -> None:
-    """Raise `ProjectFileError` for the first wrong field; the others are in its `detail`."""
-    complaints = dict.fromkeys(_complaints(document, name))
+    """Raise `ProjectFileError` for the first wrong field; `detail` has others."""
+    complaints = dict.fromkeys(islice(_complaints(document, name), _COMPLAINTS_MAX))
     found = [document.error(path, text) for path, text in complaints]
     # A mistyped name comes before the missing field that it leaves behind.
     found.sort(key=lambda error: (_UNKNOWN not in error.sentence, error.line, error.field))
