@@ -46,8 +46,8 @@ page: ## Build the page of `ravenbrick view` after a change (needs Node.js and r
 demo: setup ## Design, build and run the paper's vehicle; writes out/vehicle/report.html
 	@.venv/bin/ravenbrick demo examples/vehicle
 
-# One more than there are processors: tests also wait, for links and for clocks.
-JOBS = $(shell expr $$(nproc) + 1)
+# Two more than there are processors: tests also wait, for links and for clocks.
+JOBS = $(shell expr $$(nproc) + 2)
 TOGETHER = $(MAKE) --no-print-directory --jobs=$(JOBS) --keep-going --output-sync
 
 .PHONY: test
