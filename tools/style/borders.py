@@ -9,6 +9,8 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
+from tools.style.circles import circle_complaints
+
 __all__ = ["border_complaints"]
 
 Complaint = tuple[Path, int, str]
@@ -87,5 +89,7 @@ def border_complaints(root: Path) -> Iterator[Complaint]:
     yield from _order(file, "rooms", borders["rooms"])
     for folder in ("crates", "bindings"):
         yield from _crates(root / "virtual-brick", folder, borders[folder], crates)
+        for source in sorted((root / "virtual-brick" / folder).glob("*/src")):
+            yield from circle_complaints(source)
     yield from _tests(root)
     yield from _rooms(root / "host" / "src" / "ravenbrick", borders["rooms"])

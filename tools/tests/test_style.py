@@ -66,6 +66,23 @@ def test_a_border_that_makes_a_circle_is_refused(tree: Path) -> None:
     ]
 
 
+def test_files_of_a_crate_that_know_each_other_say_why(tree: Path) -> None:
+    source = tree / "virtual-brick" / "crates" / "core" / "src"
+    part = source / "inner" / "part.rs"
+    part.parent.mkdir(parents=True)
+    (source / "whole.rs").write_text(
+        "use crate::{\n    error::Error,\n    inner::{part::Part},\n};\n"
+    )
+    part.write_text("#[cfg(test)]\nuse super::super::whole::Whole;\n")
+    assert list(border_complaints(tree)) == []
+    user = "fn used() -> crate::whole::Whole {}\n"
+    part.write_text(user)
+    ((_, _, complaint),) = border_complaints(tree)
+    assert "inner/part.rs → whole.rs" in complaint
+    part.write_text(f"// A whole keeps what is found here, so each knows the other.\n{user}")
+    assert list(border_complaints(tree)) == []
+
+
 def test_a_banned_word_is_refused_with_what_to_write_instead() -> None:
     path, word = ROOT / "README.md", "Set".ljust(4) + "Point"
     assert list(banned_words(path, [f"the {word} is reached"])) == [

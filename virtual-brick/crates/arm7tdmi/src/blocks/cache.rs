@@ -7,7 +7,6 @@ use std::fmt;
 use super::block::{Block, JitState};
 use super::budget::Budget;
 use super::bus::{BlockBus, CodePlace};
-use super::compile::ENTRY_CYCLES;
 use super::jit::Jit;
 use super::translate::{translate, BYTES_MAX};
 
@@ -18,6 +17,8 @@ const BYTES_KEPT_MAX: usize = 8 << 20;
 const STRETCH_HALFWORDS: usize = 0x800;
 /// A lower compile threshold is for tests, which want all blocks and all JIT code at once.
 const THRESHOLD_OF_RUNS_MIN: u32 = 100;
+/// An entry into JIT code costs as much as so many interpreted cycles.
+pub(super) const ENTRY_CYCLES: i32 = 40;
 /// Invalidating so many blocks costs as much as decoding one instruction.
 const INVALIDATIONS_PER_DECODING: usize = 16;
 /// The [`Block::key`] of a slot without a block.

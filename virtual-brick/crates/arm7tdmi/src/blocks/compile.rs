@@ -4,7 +4,7 @@
 
 use super::block::NO_REGION;
 use super::bus::BlockBus;
-use super::cache::Blocks;
+use super::cache::{Blocks, ENTRY_CYCLES};
 use super::jit::{CompileAnswer, Region, RegionBlock, EXIT_BY_BRANCH};
 use super::operations::run::Run;
 use super::region::{code_window, describe};
@@ -20,8 +20,6 @@ const WARM_FRACTION: u16 = 2;
 const ENTRIES_MAX: u32 = 1024;
 /// The compiler is polled for the code of a block so often, in runs.
 const RUNS_PER_POLL: u16 = 128;
-/// An entry into JIT code costs as much as so many interpreted cycles.
-pub(super) const ENTRY_CYCLES: i32 = 40;
 /// Code that has lost so many cycles is not entered any more; gains beyond that are not counted.
 const LOSS_CYCLES_MAX: i32 = 32 * ENTRY_CYCLES;
 

@@ -304,7 +304,7 @@ fn stack_bound(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Opt
     for (record, callees) in records.iter().zip(calls) {
         most = most.max(record.depth_bytes?);
         for callee in callees {
-            most = most.max(depth_of_call(record, callee.stack_bytes)?);
+            most = most.max(record.depth_of_call(callee.stack_bytes)?);
         }
     }
     Some(most)
@@ -316,14 +316,6 @@ fn stack_lost(records: &[BlockRecord], calls: &[Vec<Rc<FunctionBound>>]) -> Opti
     let lost =
         |callee: &Rc<FunctionBound>| callee.stack_lost.filter(|_| callee.stack_bytes.is_none());
     own.or_else(|| calls.iter().flatten().find_map(lost))
-}
-
-/// Depth with a callee that takes so many bytes for any state; if that has no bound, in the
-/// contexts of the calls.
-pub fn depth_of_call(record: &BlockRecord, stack_bytes: Option<u32>) -> Option<u32> {
-    let any = record.call_depth_bytes.zip(stack_bytes);
-    any.map(|(here, below)| here + below)
-        .or(record.callee_depth_bytes)
 }
 
 fn block_bounds(

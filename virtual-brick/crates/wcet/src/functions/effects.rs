@@ -6,7 +6,6 @@
 
 use crate::elapsed::UNBOUNDED;
 use crate::error::Error;
-use crate::functions::bound::depth_of_call;
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats};
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::function_summary::FunctionSummary;
@@ -202,7 +201,7 @@ impl Search<'_, '_> {
                 }
                 Err(error) => return Err(error),
             };
-            let deepest = depth_of_call(record, stack_bytes);
+            let deepest = record.depth_of_call(stack_bytes);
             found.stack_bytes = deeper(found.stack_bytes, deepest);
             found.stack_lost = found
                 .stack_lost

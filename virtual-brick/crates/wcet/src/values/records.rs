@@ -47,3 +47,14 @@ pub struct BlockRecord {
     /// Functions that are really called at its end.
     pub callees: BTreeSet<Entry>,
 }
+
+impl BlockRecord {
+    /// Depth with a callee that takes so many bytes for any state; if that has no bound, in the
+    /// contexts of the calls.
+    #[must_use]
+    pub fn depth_of_call(&self, stack_bytes: Option<u32>) -> Option<u32> {
+        let any = self.call_depth_bytes.zip(stack_bytes);
+        any.map(|(here, below)| here + below)
+            .or(self.callee_depth_bytes)
+    }
+}
