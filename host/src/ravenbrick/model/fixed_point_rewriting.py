@@ -191,7 +191,7 @@ class Rewriting:
         if isinstance(target.data_type, FixedFormat) and is_whole(statement.expression):
             self._slots.setdefault(key(target), target)
             return statement
-        if isinstance(target.data_type, Enumeration) or key(target) in self._chosen:
+        if self._has_no_range(target) or key(target) in self._chosen:
             return self._several(statement)
         value = self._convert(statement.expression)
         if target.kind is ir.Kind.STATE:
@@ -199,14 +199,22 @@ class Rewriting:
         elif target.kind is ir.Kind.OUTPUT:
             slot = self._declare(target, 16, finest_fraction(self._ranges[key(target)], 16))
         else:
-            slot = self._declare(target, 32, value.fraction)
-            if target.name in self._narrow and not isinstance(statement.expression, ir.Read):
-                finest = finest_fraction(self._ranges[key(target)], 16)
-                if finest < value.fraction:
-                    self._slots.pop(key(target))
-                    slot = self._declare(target, 16, finest)
-        expression = self._fit(value, slot)
-        return replace(statement, target=slot, expression=expression)
+            slot = self._signal(statement, value)
+        return replace(statement, target=slot, expression=self._fit(value, slot))
+
+    def _has_no_range(self, target: ir.Slot) -> bool:
+        return isinstance(target.data_type, Enumeration)
+
+    def _signal(self, statement: ir.Statement, value: Scaled) -> ir.Slot:
+        """The format of a signal between blocks."""
+        target = statement.target
+        slot = self._declare(target, 32, value.fraction)
+        if target.name in self._narrow and not isinstance(statement.expression, ir.Read):
+            finest = finest_fraction(self._ranges[key(target)], 16)
+            if finest < value.fraction:
+                self._slots.pop(key(target))
+                slot = self._declare(target, 16, finest)
+        return slot
 
     def _fit(self, value: Scaled, slot: ir.Slot) -> ir.Expression:
         """The value in the target's format; states are limited to their ranges."""

@@ -16,7 +16,6 @@ from ravenbrick.model.fixed_point_rewriting import (
     Scaled,
     TooFineError,
     is_constant,
-    is_whole,
 )
 from ravenbrick.model.number_format import FixedFormat, Interval, Rounding, finest_fraction
 from ravenbrick.model.ranges import Key, key
@@ -46,25 +45,14 @@ class WideRewriting(Rewriting):
     def _finest(self, interval: Interval, width: int) -> int:
         return min(finest_fraction(interval, width - self._headroom), _MOST_FRACTION)
 
-    def _statement(self, statement: ir.Statement) -> ir.Statement:
-        self._block = statement.block
+    def _has_no_range(self, target: ir.Slot) -> bool:
+        return not isinstance(target.data_type, ir.DataType)
+
+    def _signal(self, statement: ir.Statement, value: Scaled) -> ir.Slot:
         target = statement.target
-        if isinstance(target.data_type, FixedFormat) and is_whole(statement.expression):
-            self._slots.setdefault(key(target), target)
-            return statement
-        if not isinstance(target.data_type, ir.DataType) or key(target) in self._chosen:
-            return self._several(statement)
-        value = self._convert(statement.expression)
-        if target.kind is ir.Kind.STATE:
-            slot = self._slots[key(target)]
-        elif target.kind is ir.Kind.OUTPUT:
-            slot = self._declare(target, 16, finest_fraction(self._ranges[key(target)], 16))
-        else:
-            known = self._ranges[key(target)].hull(value.interval)
-            finest = self._finest(known, 32)
-            limited = isinstance(value.expression, ir.Clamp)
-            slot = self._declare(target, 32, value.fraction if limited else finest)
-        return replace(statement, target=slot, expression=self._fit(value, slot))
+        finest = self._finest(self._ranges[key(target)].hull(value.interval), 32)
+        limited = isinstance(value.expression, ir.Clamp)
+        return self._declare(target, 32, value.fraction if limited else finest)
 
     def _at_fraction(self, value: Scaled, fraction: int) -> Scaled:
         finer = fraction > value.fraction
