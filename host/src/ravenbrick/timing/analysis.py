@@ -260,7 +260,7 @@ def known_facts(
     objects, known = run_time_facts(image, queued, expiring)
     own = (facts.name, facts.annotations)
     devices = [port.device for port in robot.sensor_ports.values()]
-    calls = DispatchingCalls(image).facts()
+    calls = DispatchingCalls(image.path, image.content).facts()
     return objects, [own, *facts.shared, *source_facts(image, devices), *known, calls]
 
 
@@ -364,7 +364,7 @@ def analyse(
     try:
         return _analyse(robot, image, brick, facts, timing)
     except ExecutionTimeError as question:
-        DispatchingCalls(image).told(question)
+        DispatchingCalls(image.path, image.content).told(question)
         raise
 
 
