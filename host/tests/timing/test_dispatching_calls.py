@@ -35,6 +35,7 @@ from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.counted_facts import points_text
 from ravenbrick.timing.dispatch_code import DispatchCode
 from ravenbrick.timing.dispatching_calls import DispatchingCalls
+from ravenbrick.timing.facts import annotations_of
 from ravenbrick.timing.observation.fact_counts import fact_counts
 from ravenbrick.timing.observation.observed import exceeded, observe
 
@@ -99,6 +100,29 @@ def test_other_calls_are_asked_for_with_the_reason(program: str, place: str, rea
     with pytest.raises(ExecutionTimeError, match=place) as asked:
         analysed(found, found.facts)
     assert f"dispatch tables do not tell them: {reason}" in asked.value.detail
+
+
+def test_facts_about_calls_over_one_branch_are_counted_each_for_its_own_call() -> None:
+    """The calls of Thumb code here share one `bx r3`, whose line is that of the last one."""
+    found = subject("dispatching", "levels", "-mthumb")
+
+    def excess(*started: str) -> list[str]:
+        lines = {15: sorted(started), 16: ["devices__rest"]}
+        rows: list[dict[str, object]] = [
+            {"file": "levels.adb", "line": line, "targets": targets, "reason": "a test"}
+            for line, targets in lines.items()
+        ]
+        facts = replace(found.facts, annotations=annotations_of({"call": rows}))
+        counted = analysed(found, facts).counted
+        target = VirtualTarget(flow_points=points_text(counted))
+        recording = target.run(found.robot, found.scenario, found.image)
+        counts = fact_counts(found.robot, facts, found.image, counted, recording)
+        assert sum("[[call]]" in count.fact for count in counts) == len(rows)
+        return [count.excess for count in counts if count.excess]
+
+    assert excess(SHORT, LONG) == []
+    (told,) = excess(SHORT)
+    assert f"seen the target {LONG} at" in told and told.endswith("levels.adb:15")
 
 
 def test_library_files_that_are_not_those_of_the_image_are_not_used(tmp_path: Path) -> None:

@@ -20,7 +20,14 @@ from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.facts import SOURCE_NUMBERS, Facts, read_facts
+from ravenbrick.timing.facts import (
+    SOURCE_NUMBERS,
+    Facts,
+    KindOfJob,
+    Suspension,
+    annotations_of,
+    read_facts,
+)
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import fact_counts, latest
 from ravenbrick.timing.observation.job_facts import FactCount, request_counts
@@ -97,6 +104,25 @@ def test_a_job_of_no_kind_is_told() -> None:
     kinds = tuple((replace(kind, most=few), cycles) for kind, cycles in analysis.kinds)
     with pytest.raises(ExecutionTimeError, match="of none of the kinds 'reset', 'exchange'"):
         check_job_kinds(robot, replace(analysis, kinds=kinds), recording)
+
+
+@pytest.mark.parametrize("waits", [False, True])
+def test_a_job_takes_no_longer_than_its_longest_kind_unless_it_waits_inside(waits: bool) -> None:
+    robot, facts, image, analysis, _ = run()
+    never = annotations_of({"never": [{"symbol": "functional_step_instance"}]})
+    kinds = (KindOfJob("control_task", "the vehicle stands", never, (), "a test"),)
+    suspensions = (Suspension("control_task", 1, 10, "a test"),) if waits else ()
+    scenario = read_scenario(scenario_path(VEHICLE, "step"), robot)
+    changed = replace(facts, kinds=kinds, suspensions=suspensions)
+    found = analyse(robot, image, elaborated(robot, scenario, image), changed)
+    before, job = (
+        next(timing.job for timing in each.tasks if timing.task.name == "control_task")
+        for each in (analysis, found)
+    )
+    ((_, longest),) = found.kinds
+    assert longest < before.cycles
+    assert job.cycles == (before.cycles if waits else longest)
+    assert job.path is not None and job.path["cycles"] == job.cycles
 
 
 @pytest.mark.parametrize("seed", range(20))
