@@ -5,13 +5,16 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
 from ravenbrick.image.build import TOOLS, find_tool
 
@@ -23,15 +26,20 @@ if any(find_tool(tool) is None for tool in TOOLS):
 from verification.support.timing.programs import analysed, subject
 
 from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.cli.app import app
+from ravenbrick.errors import ExitCode
 from ravenbrick.image.elf import ElfImage
+from ravenbrick.timing import dispatching_calls
 from ravenbrick.timing.ada_library import read_library
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.counted_facts import points_text
 from ravenbrick.timing.dispatch_code import DispatchCode
 from ravenbrick.timing.dispatching_calls import DispatchingCalls
+from ravenbrick.timing.facts import annotations_of
 from ravenbrick.timing.observation.fact_counts import fact_counts
 from ravenbrick.timing.observation.observed import exceeded, observe
 
+FOLDER = b"build/verification/dispatching"
 SHORT = "devices__kinds__start"
 LONG = "a_name_of_its_own"  # of Nested.Long, inherited by Longest
 SLOW, LAMP, SEND = (f"devices__kinds__{name}" for name in ("read", "read__2", "send"))
@@ -39,28 +47,30 @@ SLOW, LAMP, SEND = (f"devices__kinds__{name}" for name in ("read", "read__2", "s
 
 def derived(image: ElfImage) -> list[set[str]]:
     """Targets of each call that has been found, by address; thunks without their numbers."""
-    rows = tomllib.loads(DispatchingCalls(image).facts()[1]).get("call", [])
+    rows = tomllib.loads(DispatchingCalls(image.path, image.content).facts()[1]).get("call", [])
     return [{re.sub(r"T\d+s$", "thunk", name) for name in row["targets"]} for row in rows]
 
 
-@pytest.mark.parametrize(
-    ("program", "expected"),
-    [
-        # The line of this instruction has a call of Start only: a call of Read was joined to it.
-        ("joined", [{SHORT, LONG, SLOW, LAMP}]),
-        ("one_line", [{SHORT, LONG, SLOW, LAMP}] * 2),
-        ("levels", [{SHORT, LONG}, {"devices__rest"}]),
-        # A type whose parent is the interface has its operation in its own table.
-        ("signals", [{LAMP, SEND, "devices__kinds__thunk"}]),
-        ("guarded", [{"values__send", "values__thunk"}]),
-        ("class_wide", [{SHORT, LONG}]),
-    ],
-)
-def test_calls_are_bounded_with_all_targets_that_a_run_shows(
-    program: str, expected: list[set[str]]
-) -> None:
-    found = subject("dispatching", program)
-    assert derived(found.image) == expected
+TARGETS: dict[str, list[set[str]]] = {
+    # The line of this instruction has a call of Start only: a call of Read was joined to it.
+    "joined": [{SHORT, LONG, SLOW, LAMP}],
+    "one_line": [{SHORT, LONG, SLOW, LAMP}] * 2,
+    "levels": [{"devices__rest"}, {SHORT, LONG}],
+    # A type whose parent is the interface has its operation in its own table.
+    "signals": [{LAMP, SEND, "devices__kinds__thunk"}],
+    "guarded": [{"values__send", "values__thunk"}],
+    "class_wide": [{SHORT, LONG}],
+}
+# In a debugging build, the ceiling of the protected type in "guarded" is computed.
+DEBUGGING = [(program, "-O0") for program in TARGETS if program != "guarded"]
+
+
+@pytest.mark.parametrize("build", [*((program,) for program in TARGETS), *DEBUGGING])
+def test_calls_are_bounded_with_all_targets_that_a_run_shows(build: tuple[str, ...]) -> None:
+    found, expected = subject("dispatching", *build), TARGETS[build[0]]
+    targets = derived(found.image)
+    assert all(each in targets for each in expected)
+    assert all(each in expected for each in targets)
     analysis = analysed(found, found.facts)
     target = VirtualTarget(flow_points=points_text(analysis.counted))
     recording = target.run(found.robot, found.scenario, found.image)
@@ -71,17 +81,18 @@ def test_calls_are_bounded_with_all_targets_that_a_run_shows(
     counts = fact_counts(found.robot, found.facts, found.image, analysis.counted, recording)
     assert [count.excess for count in counts if count.excess] == []
     calls = [count for count in counts if count.fact.startswith("dispatch tables: [[call]]")]
-    assert len(calls) == len(expected)
+    assert len(calls) == len(targets)
 
 
 @pytest.mark.parametrize(
     ("program", "place", "reason"),
     [
-        ("called_back", "called_back.adb:19", "callbacks declares an access-to-subprogram type"),
-        ("fired", "fired.adb:15", "handlers names what ada.interrupts declares"),
+        ("called_back", "called_back.adb:16", "callbacks declares an access-to-subprogram type"),
+        ("fired", "fired.adb:14", "handlers names what ada.interrupts declares"),
         ("local", "devices.adb:16", "local extends a type in a subprogram"),
-        ("made_anew", "made_anew.adb:17", "the code does not show the number of the word"),
-        ("placed", "placed.adb:19", "the code does not show the number of the word"),
+        ("made_anew", "made_anew.adb:14", "the code does not show the number of the word"),
+        ("placed", "placed.adb:16", "the code does not show the number of the word"),
+        ("tested", "tested.adb:23", "the code does not show the number of the word"),
     ],
 )
 def test_other_calls_are_asked_for_with_the_reason(program: str, place: str, reason: str) -> None:
@@ -91,6 +102,29 @@ def test_other_calls_are_asked_for_with_the_reason(program: str, place: str, rea
     assert f"dispatch tables do not tell them: {reason}" in asked.value.detail
 
 
+def test_facts_about_calls_over_one_branch_are_counted_each_for_its_own_call() -> None:
+    """The calls of Thumb code here share one `bx r3`, whose line is that of the last one."""
+    found = subject("dispatching", "levels", "-mthumb")
+
+    def excess(*started: str) -> list[str]:
+        lines = {15: sorted(started), 16: ["devices__rest"]}
+        rows: list[dict[str, object]] = [
+            {"file": "levels.adb", "line": line, "targets": targets, "reason": "a test"}
+            for line, targets in lines.items()
+        ]
+        facts = replace(found.facts, annotations=annotations_of({"call": rows}))
+        counted = analysed(found, facts).counted
+        target = VirtualTarget(flow_points=points_text(counted))
+        recording = target.run(found.robot, found.scenario, found.image)
+        counts = fact_counts(found.robot, facts, found.image, counted, recording)
+        assert sum("[[call]]" in count.fact for count in counts) == len(rows)
+        return [count.excess for count in counts if count.excess]
+
+    assert excess(SHORT, LONG) == []
+    (told,) = excess(SHORT)
+    assert f"seen the target {LONG} at" in told and told.endswith("levels.adb:15")
+
+
 def test_library_files_that_are_not_those_of_the_image_are_not_used(tmp_path: Path) -> None:
     image = subject("dispatching", "levels").image
     assert derived(image)
@@ -98,9 +132,33 @@ def test_library_files_that_are_not_those_of_the_image_are_not_used(tmp_path: Pa
     copy.write_bytes(image.content)
     os.utime(copy, (0, 0))
     assert derived(replace(image, path=copy)) == []
-    folder = b"build/verification/dispatching"
-    moved = image.content.replace(folder, folder[:-1] + b"x")
+    moved = image.content.replace(FOLDER, FOLDER[:-1] + b"x")
     assert derived(replace(image, content=moved)) == []
+
+
+def test_the_bound_of_one_function_uses_the_same_tables(tmp_path: Path) -> None:
+    def wcet(file: Path, *options: str) -> dict[str, Any]:
+        command = ["wcet", str(file), "devices__run", *options, "--json"]
+        found: dict[str, Any] = json.loads(CliRunner().invoke(app, command).stdout)
+        return found
+
+    image = subject("dispatching", "class_wide").image
+    (tmp_path / "facts.toml").write_text(
+        f'[[call]]\nsymbol = "devices__run"\ntargets = ["{SHORT}", "{LONG}"]\nreason = "both"\n'
+    )
+    stated = wcet(image.path, "--annotations", str(tmp_path / "facts.toml"))
+    assert wcet(image.path)["cycles"] == stated["cycles"]
+    elsewhere = tmp_path / "elsewhere.elf"
+    elsewhere.write_bytes(image.content.replace(FOLDER, FOLDER[:-1] + b"x"))
+    asked = wcet(elsewhere)
+    assert asked["exit_code"] == ExitCode.NO_TIMING_BOUND
+    assert "class_wide.ali is missing" in asked["detail"]
+
+
+def test_library_files_of_another_compiler_are_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    image = subject("dispatching", "levels").image
+    monkeypatch.setattr(dispatching_calls, "COMPILER", "GNAT Lib v13")
+    assert derived(image) == []
 
 
 def calls(instructions: list[int], *addresses: int) -> list[tuple[int, set[int]]]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,17 +15,26 @@ from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRI
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.errors import ProjectFileError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.facts import SOURCE_NUMBERS, Facts, read_facts
+from ravenbrick.timing.facts import (
+    SOURCE_NUMBERS,
+    Facts,
+    KindOfJob,
+    Suspension,
+    annotations_of,
+    read_facts,
+)
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import fact_counts, latest
 from ravenbrick.timing.observation.job_facts import FactCount, request_counts
 from ravenbrick.timing.observation.observed import check_job_kinds
+from ravenbrick.timing.unmatched_facts import check_facts
 from ravenbrick.trace.recording import Recording
 
 pytestmark = [NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK]
@@ -97,6 +107,48 @@ def test_a_job_of_no_kind_is_told() -> None:
     kinds = tuple((replace(kind, most=few), cycles) for kind, cycles in analysis.kinds)
     with pytest.raises(ExecutionTimeError, match="of none of the kinds 'reset', 'exchange'"):
         check_job_kinds(robot, replace(analysis, kinds=kinds), recording)
+
+
+@pytest.mark.parametrize("waits", [False, True])
+def test_a_job_takes_no_longer_than_its_longest_kind_unless_it_waits_inside(waits: bool) -> None:
+    robot, facts, image, analysis, _ = run()
+    never = annotations_of({"never": [{"symbol": "functional_step_instance"}]})
+    kinds = (KindOfJob("control_task", "the vehicle stands", never, (), "a test"),)
+    suspensions = (Suspension("control_task", 1, 10, "a test"),) if waits else ()
+    scenario = read_scenario(scenario_path(VEHICLE, "step"), robot)
+    changed = replace(facts, kinds=kinds, suspensions=suspensions)
+    found = analyse(robot, image, elaborated(robot, scenario, image), changed)
+    before, job = (
+        next(timing.job for timing in each.tasks if timing.task.name == "control_task")
+        for each in (analysis, found)
+    )
+    ((_, longest),) = found.kinds
+    assert longest < before.cycles
+    assert job.cycles == (before.cycles if waits else longest)
+    assert job.path is not None and job.path["cycles"] == job.cycles
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('task = "control_task"', 'task = "controltask"', "robot.toml has no task 'controltask'"),
+        ('"driving__start"', '"driving__begin"', "the image has no function 'driving__begin'"),
+    ],
+)
+def test_a_kind_of_job_that_matches_nothing_is_refused_with_its_line(
+    tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    image = run()[2]
+    kind = '[[job_kind]]\ntask = "control_task"\nname = "a"\nnever = ["driving__start"]\n'
+    kind += 'reason = "it has started"\n'
+    (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
+    for text in (kind, kind.replace(old, new)):
+        (tmp_path / "timing.toml").write_text(f"schema_version = 1\n{text}")
+        if text == kind:
+            check_facts(read_facts(read_robot(tmp_path)), image)
+    with pytest.raises(ProjectFileError, match=said) as refused:
+        check_facts(read_facts(read_robot(tmp_path)), image)
+    assert refused.value.line == text[: text.index(new)].count("\n") + 2
 
 
 @pytest.mark.parametrize("seed", range(20))

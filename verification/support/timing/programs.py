@@ -41,11 +41,14 @@ class Subject:
         return target.run(self.robot, self.scenario, self.image)
 
 
-def built(folder: str, program: str) -> ElfImage:
-    """A program of a folder here, with the Ravenscar run-time."""
-    build = ROOT / "build" / "verification" / folder
+def built(folder: str, program: str, *switches: str) -> ElfImage:
+    """A program of a folder here, with the Ravenscar run-time and switches of the compiler. Its
+    library files are its own: gprbuild compiles what needs the run-time anew for each program."""
+    build = ROOT / "build" / "verification" / folder / "".join([program, *switches])
     gprbuild(
         HERE / "programs.gpr",
+        "-cargs",
+        *switches,
         FOLDER=folder,
         MAIN=program,
         BUILD=build,
@@ -54,11 +57,12 @@ def built(folder: str, program: str) -> ElfImage:
 
 
 @cache
-def subject(folder: str, program: str) -> Subject:
-    """A program that has `robot.toml`, `timing.toml` and the scenario `steady`, built."""
+def subject(folder: str, program: str, *switches: str) -> Subject:
+    """A program that has `robot.toml`, `timing.toml` and the scenario `steady`, built with switches
+    of the compiler."""
     robot = read_robot(HERE / folder)
     scenario = read_scenario(scenario_path(HERE / folder, "steady"), robot)
-    image = built(folder, program)
+    image = built(folder, program, *switches)
     return Subject(robot, image, scenario, read_facts(robot).of_image(image))
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -19,6 +20,7 @@ from ravenbrick.errors import RavenbrickError, UsageError
 from ravenbrick.report.page import page
 from ravenbrick.schemas.located_toml import utf8_text
 from ravenbrick.timing.bounds import Bounds, ExecutionTimeError, execution_times, recursion_words
+from ravenbrick.timing.dispatching_calls import DispatchingCalls
 from ravenbrick.timing.results.worst_path import expensive_lines, path_table, source_lines
 from ravenbrick.timing.unmatched_facts import check_annotation_file
 
@@ -27,6 +29,22 @@ __all__ = ["wcet_command"]
 # The end of the RAM.
 STACK_POINTER = 0x0021_0000
 Timing = Literal["plain", "optimistic", "nominal", "pessimistic"]
+
+
+def _bounded(
+    elf: Path, content: bytes, annotations: Sequence[tuple[str, str]], options: dict[str, Any]
+) -> Bounds:
+    """Bounds, and only if these leave a question, with the targets of dispatching calls."""
+
+    named = annotations or [("an annotation file", "")]  # the first is where questions want answers
+
+    def ask(more: Sequence[tuple[str, str]]) -> Bounds:
+        return execution_times(content, annotations=[*named, *more], **options)
+
+    try:
+        return ask([])
+    except ExecutionTimeError:
+        return DispatchingCalls(elf, content).answer(ask)
 
 
 def _lines(report: dict[str, Any]) -> list[list[str]]:
@@ -60,12 +78,11 @@ def _print(reporter: Reporter, result: dict[str, Any]) -> None:
 
 
 def _own_data(
-    elf: Path, calls: list[str], inputs: list[str], options: dict[str, Any]
+    content: bytes, calls: list[str], inputs: list[str], options: dict[str, Any]
 ) -> dict[str, Any]:
     """Bound of the last function, with the memory that the image and the calls before it leave."""
-    found = execution_times(
-        elf.read_bytes(), known_memory=(calls, STACK_POINTER), inputs=inputs, **options
-    )
+    known = (calls, STACK_POINTER)
+    found = execution_times(content, known_memory=known, inputs=inputs, **options)
     return {
         "symbol": calls[-1],
         "timing": found.timing,
@@ -149,17 +166,18 @@ def wcet_command(
         raise UsageError("--html shows the worst path for any data; omit --own-data")
     files = [(str(path), utf8_text(path)) for path in annotations or []]
     content = elf.read_bytes()
-    options: dict[str, Any] = {"annotations": files, "timing": timing, "wait_states": wait_states}
-    options["name"] = str(elf)
+    options: dict[str, Any] = {"timing": timing, "wait_states": wait_states, "name": str(elf)}
     calls = [*(after or []), symbol]
     try:
         for path, (_, text) in zip(annotations or [], files, strict=True):
             check_annotation_file(path, text, content)
         if own_data:
-            result = _own_data(elf, calls, any_content or [], options)
+            options["annotations"] = files
+            result = _own_data(content, calls, any_content or [], options)
             _print_own_data(reporter, result)
             return result
-        found = execution_times(content, functions=[symbol], paths=html is not None, **options)
+        options |= {"functions": [symbol], "paths": html is not None}
+        found = _bounded(elf, content, files, options)
     except ExecutionTimeError as error:
         raise _with_names(error, elf, calls) from None
     bound = found.functions[0]

@@ -40,12 +40,13 @@ class Reference:
 class AdaLibrary:
     """A library file.
 
-    `violated` are restrictions that the unit violates, `needed` the units on which it depends with
-    their files, `files` all its source files; `types` are the names of the types that have the
-    operation at a place.
+    `compiler` is the version of the library, `violated` are restrictions that the unit violates,
+    `needed` the units on which it depends with their files, `files` all its source files; `types`
+    are the names of the types that have the operation at a place.
     """
 
     path: Path
+    compiler: str
     switches: frozenset[str]
     violated: frozenset[str]
     needed: dict[str, str]
@@ -107,6 +108,7 @@ def read_library(path: Path) -> AdaLibrary:
             references.append(Reference(place, kind, letter, where[0]))
     return AdaLibrary(
         path,
+        next((line.partition('"')[2].rstrip('"') for line in lines[:1]), ""),
         frozenset(row[1] for row in rows if row[0] == "A"),
         frozenset(row[1] for row in rows if row[0] == "RV"),
         # The last word of a subunit is a name without its kind: it is a part of another unit.

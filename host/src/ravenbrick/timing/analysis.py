@@ -260,8 +260,11 @@ def known_facts(
     objects, known = run_time_facts(image, queued, expiring)
     own = (facts.name, facts.annotations)
     devices = [port.device for port in robot.sensor_ports.values()]
-    calls = DispatchingCalls(image).facts()
+    calls = DispatchingCalls(image.path, image.content).facts()
     return objects, [own, *facts.shared, *source_facts(image, devices), *known, calls]
+
+
+Kinds = Sequence[tuple[KindOfJob, Bound]]
 
 
 def _kinds(
@@ -271,24 +274,41 @@ def _kinds(
     timing: str,
     annotations: Sequence[tuple[str, str]],
     stated: Sequence[tuple[str, str]],
-) -> list[tuple[KindOfJob, int]]:
-    """Kinds of jobs with the bounds of their execution; used with a common release only."""
+) -> Kinds:
+    """Kinds of jobs with their bounds, and with their worst paths if nothing more is stated."""
     found = []
-    for kind in facts.kinds if facts.together else ():
+    for kind in facts.kinds:
         if kind.task not in questions:
             continue
         own = (f"{kind.file}, kind of job '{kind.name}'", kind.annotations)
         known = [*annotations, *stated, (f"{facts.name}, [[outside]]", facts.outside), own]
         jobs = [questions[kind.task]]
-        times = execution_times(image.content, jobs=jobs, annotations=known, timing=timing)
-        found.append((kind, times.jobs[0].cycles))
+        times = execution_times(
+            image.content, jobs=jobs, annotations=known, timing=timing, paths=not stated
+        )
+        found.append((kind, times.jobs[0]))
     return found
 
 
-Kinds = list[tuple[KindOfJob, int]]
+def _of_kinds(
+    jobs: Sequence[tuple[Task, Bound]], kinds: Kinds, facts: Facts
+) -> list[tuple[Task, Bound]]:
+    """The jobs, each as the longest of its kinds. What a job that waits inside executes and waits
+    is longest together, which its kinds do not tell."""
+    found = []
+    for task, job in jobs:
+        own = [bound for kind, bound in kinds if kind.task == task.name]
+        if own and task.release == "cyclic" and facts.suspension(task.name) is None:
+            longest = max(own, key=lambda bound: bound.cycles)
+            if longest.cycles < job.cycles:
+                path, report = longest.path, longest.report
+                job = replace(job, cycles=longest.cycles, path=path, report=report)
+        found.append((task, job))
+    return found
 
 
 def _executions(
+    facts: Facts,
     bounded: Callable[[Sequence[tuple[str, str]]], list[tuple[Task, Bound]]],
     kinds_of: Callable[[Sequence[tuple[str, str]]], Kinds],
     kernel: Services,
@@ -301,12 +321,17 @@ def _executions(
     There is at most one after each release of a more urgent task, so it is charged to that release
     or, wherever a job may execute it, to the job.
     """
-    found = [Executions(jobs, kinds_of(stated))]
+
+    def executions(jobs: Sequence[tuple[Task, Bound]], kinds: Kinds, dispatch: int) -> Executions:
+        each = [(kind, bound.cycles) for kind, bound in kinds]
+        return Executions(_of_kinds(jobs, kinds, facts), each, dispatch)
+
+    found = [executions(jobs, kinds_of(stated), 0)]
     if any(DISPATCH in job.reached for _, job in jobs):
         without = [*stated, no_cost(DISPATCH)]
         pairs = zip(jobs, bounded(without), strict=True)
         jobs = [(t, replace(job, cycles=min(job.cycles, s.cycles))) for (t, job), (_, s) in pairs]
-        found.append(Executions(jobs, kinds_of(without), kernel.dispatch))
+        found.append(executions(jobs, kinds_of(without), kernel.dispatch))
     return found
 
 
@@ -364,7 +389,7 @@ def analyse(
     try:
         return _analyse(robot, image, brick, facts, timing)
     except ExecutionTimeError as question:
-        DispatchingCalls(image).explain(question)
+        DispatchingCalls(image.path, image.content).explain(question)
         raise
 
 
@@ -408,7 +433,8 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
     blocking = interrupt_blocking(image, costs, events, kernel, releasing)
     transfers = transfer_tasks(image, blocking, facts)
     of_facts = partial(scheduled_bounds, blocking, alarm, background, transfers)
-    executions_of = partial(_executions, bounded, partial(kinds_of, annotations), kernel)
+    known = partial(kinds_of, annotations)
+    executions_of = partial(_executions, facts, bounded, known, kernel)
     modes = _modes(facts, of_facts, lambda stated: executions_of(bounded(stated), stated))
     executions = executions_of(jobs, [])
     scheduled = partial(_scheduled, partial(of_facts, facts), executions)

@@ -8,7 +8,9 @@
     ldrne t, [t, #2]       or the same behind a branch
     bx t
 
-An operation that each type has, such as "=", is reached over a word before the table, so m < 0.
+A program may test an address that it calls in the same way, so what a descriptor holds has to be
+taken after each test. An operation that each type has, such as "=", is reached over a word before
+the table, so m < 0.
 The instructions are looked for backwards on all ways that lead to the branch.
 """
 
@@ -16,7 +18,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 __all__ = ["DispatchCode"]
 
@@ -54,14 +56,25 @@ def _written(word: int) -> set[int]:
 
 @dataclass(frozen=True)
 class _Way:
-    """Before which instruction a register is looked at, what is known of its flags, whether it was
-    looked for a descriptor after it, and whether the register has to be a tag."""
+    """Before which instruction a register is looked at, what is known of its flags, whether what it
+    holds was taken from a descriptor after it, whether it was looked for one, and whether the
+    register has to be a tag."""
 
     address: int
     register: int
     condition: int = ALWAYS
+    is_descriptor: bool = False
     is_tested: bool = False
     is_tag: bool = False
+
+
+@dataclass
+class _Found:
+    """Numbers of words; tests for a descriptor on a way that takes what it holds, and on others."""
+
+    slots: set[int] = field(default_factory=set)
+    taken: set[int] = field(default_factory=set)
+    tests: set[int] = field(default_factory=set)
 
 
 class DispatchCode:
@@ -121,7 +134,7 @@ class DispatchCode:
 
     def _slots(self, branch: int, register: int) -> set[int] | None:
         """Numbers of words that a register may hold; None if it may hold something else."""
-        found: set[int] = set()
+        found = _Found()
         ways = [_Way(branch, register)]
         seen: set[_Way] = set()
         while ways:
@@ -140,10 +153,10 @@ class DispatchCode:
                 if more is None:
                     return None
                 ways += more
-        return found
+        return found.slots if found.tests == found.taken else None
 
-    def _backwards(self, way: _Way, found: set[int]) -> list[_Way] | None:
-        """Ways on before the instruction of a way; numbers of words are added to `found`."""
+    def _backwards(self, way: _Way, found: _Found) -> list[_Way] | None:
+        """Ways on before the instruction of a way; what it is goes into `found`."""
         word, register = self._words[way.address], way.register
         condition, form, base = word >> 28, word & 0x0FFF_FFFF, word >> 16 & 15
         if word >> 24 & 15 == 10:
@@ -152,8 +165,10 @@ class DispatchCode:
             return None if register in SCRATCH else [replace(way, condition=ALWAYS)]
         if word >> 26 & 3 == 0 and word >> 20 & 1:  # sets the flags
             way = replace(way, condition=ALWAYS)
-        if word == 0xE310_0002 | register << 16 and not way.is_tag:
-            return [replace(way, is_tested=True)]
+        tested = word & 0xFFE0_0FFF == 0xE200_0002 or word & 0xFFF0_0FFF == 0xE310_0002
+        if tested and base == register and not way.is_tag:
+            (found.taken if way.is_descriptor else found.tests).add(way.address)
+            way = replace(way, is_tested=True)
         never = condition != ALWAYS and way.condition == condition ^ 1
         if never or register not in _written(word):
             return [way]
@@ -163,13 +178,13 @@ class DispatchCode:
         way = replace(way, condition=way.condition if condition == ALWAYS else condition)
         if form & 0x0FFF_FFF0 == 0x01A0_0000 | register << 12:
             return [*skipped, replace(way, register=word & 15)]
-        if form == 0x0590_0002 | base << 16 | register << 12 and not way.is_tag:
-            return [*skipped, replace(way, register=base)]
+        if form == 0x0590_0002 | base << 16 | register << 12 and not way.is_tested:
+            return [*skipped, replace(way, register=base, is_descriptor=True)]
         if form & 0x0FF0_F003 != 0x0590_0000 | register << 12 or base == 15:
             return None
         if way.is_tag:
             return skipped
         if not way.is_tested:
             return None
-        found.add((word & 0xFFF) // 4)
+        found.slots.add((word & 0xFFF) // 4)
         return [*skipped, replace(way, register=base, is_tag=True)]

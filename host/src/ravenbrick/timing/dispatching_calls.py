@@ -15,15 +15,14 @@ from __future__ import annotations
 import io
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from elftools.common.exceptions import ELFError
 from elftools.elf.elffile import ELFFile
 
-from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.ada_library import AdaLibrary, Place, read_library
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.dispatch_code import DispatchCode
@@ -35,6 +34,7 @@ __all__ = ["DISPATCH_TABLES", "DispatchingCalls"]
 DISPATCH_TABLES = "dispatch tables"
 ACCESS = "NO_ACCESS_SUBPROGRAMS"
 CALLS = "NO_DISPATCHING_CALLS"
+COMPILER = "GNAT Lib v12"
 SOURCES = (".adb", ".ads")
 STATIC = "STATIC_DISPATCH_TABLES"
 NO_REFERENCES = "-gnatx"
@@ -43,17 +43,20 @@ UNSEEN = {"ada.iterator_interfaces", "ada.tags.generic_dispatching_constructor"}
 UNKNOWN = re.compile(r"(0x[0-9a-f]{8}).*: the target of this branch is not known")
 
 
+Answer = TypeVar("Answer")
+
+
 class NotDerivedError(Exception):
     """Why the targets of a unit's calls are not known."""
 
 
 class DispatchingCalls:
-    """What is known about the calls of an image, and why not more."""
+    """What is known about the calls of an ELF file, and why not more."""
 
-    def __init__(self, image: ElfImage) -> None:
-        self._image = image
+    def __init__(self, path: Path, content: bytes) -> None:
+        self._path = path
         self._libraries: dict[Path, AdaLibrary | None] = {}
-        self._elf = ELFFile(io.BytesIO(image.content))
+        self._elf = ELFFile(io.BytesIO(content))
         self._units: dict[int | None, Path] = {}
         self._ranges = None
         try:
@@ -100,8 +103,12 @@ class DispatchingCalls:
             if any(self._read(folder / paths[0].name) for folder in self._run_time):
                 return None
             raise NotDerivedError(f"{paths[0]} is missing; build the image again")
-        if found.path.stat().st_mtime > self._image.path.stat().st_mtime:
+        if found.path.stat().st_mtime > self._path.stat().st_mtime:
             raise NotDerivedError(f"{found.path} is newer than the image; build the image again")
+        if found.compiler != COMPILER:
+            raise NotDerivedError(
+                f"{found.path} says '{found.compiler}', and tables are known of '{COMPILER}'"
+            )
         return found
 
     @cached_property
@@ -251,3 +258,11 @@ class DispatchingCalls:
             error.detail = "\n".join(
                 filter(None, [error.detail, f"dispatch tables do not tell them: {reason}"])
             )
+
+    def answer(self, ask: Callable[[Sequence[tuple[str, str]]], Answer]) -> Answer:
+        """What `ask` finds under these facts. Its questions say why they do not tell a target."""
+        try:
+            return ask([self.facts()])
+        except ExecutionTimeError as question:
+            self.explain(question)
+            raise

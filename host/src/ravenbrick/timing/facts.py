@@ -256,7 +256,7 @@ def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
 def _check_tasks(document: LocatedToml, robot: Robot) -> None:
     named: list[tuple[KeyPath, str]] = [
         ((table, index, "task"), row["task"])
-        for table in ("suspension", "body", "interrupt")
+        for table in ("suspension", "body", "interrupt", "job_kind")
         for index, row in enumerate(document.values.get(table, []))
         if "task" in row
     ]

@@ -66,6 +66,11 @@ def _check_names(document: LocatedToml, image: ElfImage) -> None:
             if name is not None and name not in image.symbols:
                 problem = f"the image has no function '{name}'{REMEDY}"
                 raise document.error((table, index, "symbol"), problem)
+    for index, row in enumerate(document.values.get("job_kind", [])):
+        for place, name in enumerate(row.get("never", [])):
+            if name not in image.symbols:
+                problem = f"the image has no function '{name}'{REMEDY}"
+                raise document.error(("job_kind", index, "never", place), problem)
     for table in ("interrupt", "transfer"):
         for index, row in enumerate(document.values.get(table, [])):
             if "unit" in row and not has_unit(image, row["unit"]):

@@ -3,12 +3,10 @@
 
 --  A type that is extended in a subprogram
 
-with Ada.Real_Time; use Ada.Real_Time;
+with Pace;
 with Devices.Kinds; use Devices, Devices.Kinds;
 
 procedure Local with Priority => 12 is
-   Next  : Time := Clock + Milliseconds (20);
-   Count : Natural := 0 with Volatile;
    type Own is new Short with null record;
    overriding procedure Start (This : in out Own);
    overriding procedure Start (This : in out Own) is
@@ -18,10 +16,8 @@ procedure Local with Priority => 12 is
    Mine : Own;
 begin
    loop
-      delay until Next;
-      Count := (Count + 1) mod 50;
+      delay until Pace.Next;
       Run (This_Device.all);
       Run (Mine);
-      Next := Next + Milliseconds (4);
    end loop;
 end Local;

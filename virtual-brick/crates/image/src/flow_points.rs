@@ -37,6 +37,9 @@ pub enum FlowPoint {
         address: u32,
         /// The targets, without the bit that tells Thumb.
         targets: Vec<u32>,
+        /// Where it comes back to, if it is counted for one of the calls that share it.
+        #[serde(default)]
+        returns_to: Option<u32>,
     },
     /// Activations of a function.
     Recursion {

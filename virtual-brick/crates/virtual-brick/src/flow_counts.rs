@@ -226,7 +226,7 @@ impl VirtualBrick {
                     }
                 }
                 Role::Place => self.count_arrival(point, &arrival),
-                Role::Branch if !self.is_target(point, arrival.target) && !went_on => {
+                Role::Branch if !went_on && !self.is_allowed(point, arrival.target) => {
                     self.count_arrival(point, &arrival);
                 }
                 Role::Call => self.count_call(point, pointer_before, &arrival),
@@ -247,9 +247,18 @@ impl VirtualBrick {
         self.recorder.running_index().filter(|_| in_thread)
     }
 
-    fn is_target(&self, point: usize, target: u32) -> bool {
-        let point = &self.flow_counts.points[point];
-        matches!(point, FlowPoint::Branch { targets, .. } if targets.contains(&target))
+    /// Is this a target of the branch, or another of the calls that share it?
+    fn is_allowed(&self, point: usize, target: u32) -> bool {
+        let FlowPoint::Branch {
+            targets,
+            returns_to,
+            ..
+        } = &self.flow_counts.points[point]
+        else {
+            return true;
+        };
+        let link = self.cpu.register(14) & !1;
+        targets.contains(&target) || returns_to.is_some_and(|place| place != link)
     }
 
     /// Back to the loop's first block, if the branch is taken; a call comes back and goes there.

@@ -333,16 +333,16 @@ fn resolve_branch(
     });
     let caller = Some(node.copy).filter(|site| *site != 0);
     let of_caller = || program.facts.call_targets(caller?);
-    let fact = program.facts.call_targets(*address).or_else(of_caller);
+    let fact = || of_caller().or_else(|| program.facts.call_targets(*address));
     // A table that is read beyond its end: a fact about its targets says more.
     let is_code = |(target, thumb): &Entry| program.image.instruction(*target, *thumb).is_some();
-    let known = known.filter(|targets| fact.is_none() || targets.iter().all(is_code));
+    let known = known.filter(|targets| targets.iter().all(is_code) || fact().is_none());
     let transfer = if *value == Value::entry(14) {
         ControlTransfer::Return
     } else if let Some(targets) = known {
         classify(program, entry, node, targets, calls)
     } else {
-        match fact {
+        match fact() {
             Some(targets) if calls => ControlTransfer::Call(targets),
             _ if program.facts.leaves(*address) => ControlTransfer::Return,
             Some(targets) => ControlTransfer::TailCall(targets),

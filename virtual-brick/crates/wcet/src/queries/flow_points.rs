@@ -79,16 +79,21 @@ fn counted(
         FlowPoint::Branch { address, .. } => *address,
         FlowPoint::Recursion { entry, .. } => *entry,
     };
-    let place = program.image.place(address);
-    let line = place.line.map(|(file, line)| format!("{file}:{line}"));
     CountedFact {
         fact: fact.written(table),
         file: fact.source.clone(),
         table,
-        place: line.unwrap_or_else(|| program.image.name_at(address)),
+        place: place_of(program, address),
         declared: fact.depth.map_or(0, u64::from),
         point,
     }
+}
+
+/// File and line, else the function.
+fn place_of(program: &Program<'_>, address: u32) -> String {
+    let line = program.image.place(address).line;
+    let words = line.map(|(file, line)| format!("{file}:{line}"));
+    words.unwrap_or_else(|| program.image.name_at(address))
 }
 
 /// Bounds of this function's loops.
@@ -188,15 +193,21 @@ fn branch_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<Counted
         .blocks
         .iter()
         .filter(|block| is_indirect(block));
-    let ends = indirect.filter_map(|block| block.instructions.last());
-    let stated = ends.filter_map(|(address, _)| {
-        let fact = program.facts.used_call_fact(*address)?;
-        let targets = program.facts.call_targets(*address)?;
+    let stated = indirect.filter_map(|block| {
+        let (address, _) = block.instructions.last()?;
+        let (call, size) = (block.node.copy, if block.node.thumb { 2 } else { 4 });
+        let of_call = program.facts.used_call_fact(call).filter(|_| call != 0);
+        let fact = of_call.or_else(|| program.facts.used_call_fact(*address))?;
+        let place = of_call.map_or(*address, |_| call);
+        let targets = program.facts.call_targets(place)?;
         let point = FlowPoint::Branch {
             address: *address,
             targets: targets.iter().map(|target| target.0 & !1).collect(),
+            returns_to: of_call.map(|_| call.wrapping_add(size)),
         };
-        Some(counted(program, "call", fact, point))
+        let mut found = counted(program, "call", fact, point);
+        found.place = place_of(program, place);
+        Some(found)
     });
     stated.collect()
 }
