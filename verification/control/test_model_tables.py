@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from verification.control.model_tables import REFERENCE, TOTALS, simulink_page
+from verification.control.public_models import REFERENCE, TOTALS, simulink_page
 
 
 def test_rows_and_totals_of_absent_models_stay(tmp_path: Path) -> None:
