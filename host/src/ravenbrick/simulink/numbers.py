@@ -136,13 +136,17 @@ class Workspace(dict[str, "float | np.ndarray"]):
 
     def guesses(self, text: str) -> bool:
         """Whether an expression has a value only by a guess."""
-        if not self.guess:
-            return False
+        return self.guess and self.sure(text) is None
+
+    def sure(self, text: str) -> np.ndarray | None:
+        """The matrix that an expression stands for without guesses; None if it has none."""
+        guess, self.guess = self.guess, False  # no copy, as there may be thousands of variables
         try:
-            value_of(text, self.known())
+            return value_of(text, self)
         except ValueError:
-            return True
-        return False
+            return None
+        finally:
+            self.guess = guess
 
     def inside(self, more: Variables) -> Workspace:
         """The variables inside a masked subsystem."""

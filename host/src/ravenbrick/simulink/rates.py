@@ -11,7 +11,6 @@ from functools import reduce
 
 from ravenbrick.simulink.matlab.linear_systems import is_lti, lti_rate
 from ravenbrick.simulink.network import Network, Site
-from ravenbrick.simulink.numbers import scalar
 
 __all__ = ["base_rate", "block_rates", "own_rate"]
 
@@ -30,10 +29,10 @@ def own_rate(site: Site) -> float | None:
     first = text.split()[0] if text.split() else "-1"
     if site.kind == "Constant" or first in ("-1", "0", "inf", "Inf"):
         return None
-    try:
-        value = scalar(first, site.variables.known())
-    except ValueError:
+    found = site.variables.sure(first)
+    if found is None or found.size != 1:
         return None
+    value = float(found[0, 0])
     return value if value > 0 and math.isfinite(value) else None
 
 
