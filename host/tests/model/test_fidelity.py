@@ -125,3 +125,13 @@ def test_a_finite_impulse_response_stays_a_polynomial() -> None:
     """Its poles are all at 0, where a polynomial is exact."""
     block = transfer_function_block("F", control.tf([0.5, 0.25, 0.25], [1, 0, 0], 0.01))
     assert isinstance(block, DiscreteTransferFunction)
+
+
+def test_a_zero_at_the_rate_of_the_method_goes_to_infinity() -> None:
+    """(s - 200) (s + 3) / ((s + 1) (s + 2)) at 10 ms: by Tustin's method 200 has no place in z."""
+    system = ZeroPoleGain((200 + 0j, -3 + 0j), (-1 + 0j, -2 + 0j), 1.0)
+    sampled = system.sampled(0.01)
+    expected = control.sample_system(control.zpk([200, -3], [-1, -2], 1), 0.01, "bilinear")
+    frequencies = np.array([1.0, 10.0, 100.0, 300.0])
+    wanted = expected(np.exp(1j * frequencies * 0.01))
+    assert sampled.response(frequencies) == pytest.approx(wanted, rel=1e-9)

@@ -150,3 +150,62 @@ def test_a_system_that_grows_without_end_is_not_computed(tmp_path: Path) -> None
     """A power, or squares of squares, would take hours."""
     found = read(tmp_path, "G = tf(1, [1 1]); H = G^100000;" + "G = G*G;" * 40 + "k = G.Ts;")
     assert "H.Ts" not in found and "k" not in found
+
+
+FUNCTIONS = {
+    "eig([2 1; 1 2])": [[1.0], [3.0]],
+    "roots([1 -3 2])": [[1.0], [2.0]],
+    "poly([1 2])": [[1.0, -3.0, 2.0]],
+    "poly([0 1; -2 -3])": [[1.0, 3.0, 2.0]],
+    "conv([1 1], [1 2 3])": [[1.0, 3.0, 5.0, 3.0]],
+    "kron([1 2], [1; 1])": [[1.0, 2.0], [1.0, 2.0]],
+    "rank([1 2; 2 4])": [[1.0]],
+    "expm([0 1; 0 0])": [[1.0, 1.0], [0.0, 1.0]],
+    "diff([1 4 9])": [[3.0, 5.0]],
+    "cumsum([1 2 3])": [[1.0, 3.0, 6.0]],
+    "repmat([1 2], 2, 1)": [[1.0, 2.0], [1.0, 2.0]],
+    "logspace(0, 2, 3)": [[1.0, 10.0, 100.0]],
+    "fliplr([1 2])": [[2.0, 1.0]],
+    "lyap(-1, 2)": [[1.0]],  # -x - x + 2 = 0
+    "dlyap(0.5, 3)": [[4.0]],  # x / 4 - x + 3 = 0
+    "care(0, 1, 1)": [[1.0]],  # -x^2 + 1 = 0
+}
+
+
+@pytest.mark.parametrize("text", FUNCTIONS)
+def test_a_function_of_matrices_has_the_value_of_its_definition(text: str, tmp_path: Path) -> None:
+    """Worked by hand."""
+    found = rows(np.atleast_2d(read(tmp_path, f"x = {text};")["x"]))
+    assert np.array(found) == pytest.approx(np.array(FUNCTIONS[text]), abs=1e-9)
+
+
+@pytest.mark.parametrize("text", ["eig([0 1; -1 0])", "roots([1 0 1])", "kron(ones(400), ones(9))",
+                                  "conv(ones(1, 2000), 1)", "repmat(1, 1000, 1000)"])  # fmt: skip
+def test_complex_and_huge_results_are_no_variables(text: str, tmp_path: Path) -> None:
+    """The name is then missing where a block wants it."""
+    assert "x" not in dict.keys(read(tmp_path, f"x = {text};"))
+
+
+def test_two_results_of_a_size_and_systems_of_poles(tmp_path: Path) -> None:
+    """Rows and columns; a system of its zeros, poles and gain in series and in parallel."""
+    found = read(
+        tmp_path,
+        "[n, m] = size([1 2 3; 4 5 6]); G = zpk([], [-1 -2], 6); H = series(G, tf(1, [1 3]));\n"
+        "P = parallel(tf(1, [1 1]), tf(1, [1 2])); [X, K, L] = icare(0, 1, 4, 1);\n",
+    )
+    assert [float(np.ravel(found[name])[0]) for name in "nm"] == [2, 3]
+    assert np.ravel(found["G.den"]) == pytest.approx([1, 3, 2])
+    assert np.ravel(found["H.den"]) == pytest.approx([1, 6, 11, 6])
+    assert np.ravel(found["P.num"]) == pytest.approx([0, 2, 3])
+    assert [float(np.ravel(found[name])[0]) for name in "XKL"] == pytest.approx([2, 2, -2])
+
+
+def test_a_riccati_equation_with_parts_left_out(tmp_path: Path) -> None:
+    """R left out is 1, S and G are 0: 4 - x^2 = 0; with E = 2 it is 4 - 4 x^2 = 0."""
+    found = read(
+        tmp_path,
+        "X = icare(0, 1, 4, [], 0, [], 0); Y = icare(0, 1, 4, 1, [], 2);\n"
+        "Z = icare(0, 1, 4, 1, 0, 1, 3);",
+    )
+    assert [float(np.ravel(found[name])[0]) for name in "XY"] == pytest.approx([2, 1])
+    assert "Z" not in dict.keys(found)

@@ -312,9 +312,16 @@ def public_models() -> list[Path]:
 @pytest.mark.skipif(PUBLIC is None, reason="RAVENBRICK_SLX_MODELS names no folder of models")
 @pytest.mark.parametrize("path", public_models(), ids=lambda path: path.name)
 def test_a_public_model_is_read_and_its_other_blocks_are_listed(path: Path) -> None:
-    """Every block is either imported or refused by its path with a reason."""
+    """Every block is either imported or refused by its path with a reason; other files are named.
+
+    Some repositories have empty models, and files of other kinds with a model's ending.
+    """
     repository = path.parent.relative_to(PUBLIC or "").parts[:2]
-    survey = survey_simulink(path, libraries=[Path(PUBLIC or "", *repository)])
-    assert survey.blocks > 0
+    try:
+        survey = survey_simulink(path, libraries=[Path(PUBLIC or "", *repository)])
+    except DesignError as error:
+        assert f"{path}" in f"{error}"
+        return
+    assert 0 <= survey.supported <= survey.blocks
     assert all(refusal.path and refusal.reason for refusal in survey.refusals)
     print(f"{path.name}: {survey.supported} of {survey.blocks} blocks")

@@ -287,11 +287,11 @@ def test_a_program_without_counterpart_is_refused_with_file_and_line(
     assert BROKEN[body] in str(error.value.detail)
 
 
-def test_a_matlab_function_block_that_is_refused_lies_outside(tmp_path: Path) -> None:
+def test_a_matlab_function_block_that_is_refused_does_not_lie_outside(tmp_path: Path) -> None:
     """Its elements are then as many as others ask for."""
     path = chart_model(tmp_path / "m.slx", "function y = f(u)\ny = fft(u);\nend", outputs=1)
     (refusal,) = survey_simulink(path).refusals
-    assert refusal.outside and refusal.kind == "MATLABFunction"
+    assert not refusal.outside and refusal.kind == "MATLABFunction"
     assert "its program:2: the function 'fft' has no counterpart for signals" in refusal.reason
 
 

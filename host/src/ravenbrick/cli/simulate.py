@@ -62,7 +62,9 @@ def simulate_command(
     with reporter.step("simulate") as step:
         found = simulate(source, stop, assigned("--input", inputs or []))
         rate = f", samples every {found.sample_time:g} s" if found.sample_time else ""
-        step.note = f"{found.stop:g} s, {found.continuous_states} continuous states{rate}"
+        count = found.algebraic_loops
+        loops = f", {count} algebraic loop{'s' * (count > 1)} solved" if count else ""
+        step.note = f"{found.stop:g} s, {found.continuous_states} continuous states{rate}{loops}"
     reporter.table(
         ("signal", "initial", "final", "peak", "overshoot", "rise (s)", "settling (s)"),
         [_row(signal) for signal in found.signals],
@@ -72,6 +74,7 @@ def simulate_command(
         "stop": found.stop,
         "sample_time": found.sample_time,
         "continuous_states": found.continuous_states,
+        "algebraic_loops": found.algebraic_loops,
         "time": found.times.tolist(),
         "signals": [
             {

@@ -94,7 +94,8 @@ class ZeroPoleGain:
     ) -> ZeroPoleGain:
         """Each root of a continuous system on its own, s replaced as `method` says.
 
-        Zeros at infinity become zeros at z = -1 (Tustin) or 0 (backward Euler).
+        Zeros at infinity become zeros at z = -1 (Tustin) or 0 (backward Euler); those at the rate
+        of the method (2 / sample time by Tustin) go to infinity.
         """
         if self.dt or not sample_time > 0:
             raise DesignError(f"a continuous system and a sample time > 0 s, not {sample_time}")
@@ -114,10 +115,11 @@ class ZeroPoleGain:
                 raise DesignError(f"the pole {pole} has no place in z at {sample_time} s")
             gain /= lead(pole)
             if index < len(self.zeros):
-                gain *= lead(self.zeros[index])
+                zero = self.zeros[index]
+                gain *= lead(zero) or -zero
         if share:
             gain *= share**excess
-        zeros = tuple(map(moved, self.zeros)) + infinite
+        zeros = tuple(moved(zero) for zero in self.zeros if lead(zero)) + infinite
         return ZeroPoleGain(zeros, tuple(map(moved, self.poles)), gain.real, sample_time)
 
 

@@ -126,9 +126,13 @@ class Dialog:
         value = value_of(self.text(name, default) or default, self.variables)
         if min(value.shape) > 1:
             raise ValueError(f"{name} is a matrix, not a vector")
-        if self.variables.guess and value.size == 1 and re.search("[A-Za-z]", self.text(name)):
+        if value.size == 1 and self.guesses(name):
             return self.numbers("", default)
         return tuple(float(one) for one in value.ravel())
+
+    def guesses(self, name: str) -> bool:
+        """Whether a parameter has a value only by a guess."""
+        return bool(self.text(name)) and self.variables.guesses(self.text(name))
 
     def samples(self, seconds: float) -> int:
         """A time as a whole number of samples."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads Simulink's model files: `.slx` (a zip of XML) and `.mdl` (text)."""
+"""Reads Simulink's model files: `.slx` (a zip of XML) and `.mdl` (text, today around XML)."""
 
 from __future__ import annotations
 
@@ -26,9 +26,11 @@ _DEEPEST = 200
 _MOST_ELEMENTS = 300_000
 _ROOTS = ("simulink/systems/system_root.xml", "simulink/blockdiagram.xml")
 _SETTINGS = re.compile(r"simulink/(blockdiagram|configSet\d+)\.xml\Z")
-_WANTED = ("PreLoadFcn", "InitFcn", "StopTime")
+_WANTED = ("PreLoadFcn", "PostLoadFcn", "InitFcn", "StopTime")
 _CHARTS = re.compile(r"simulink/stateflow(/\w+)?\.xml\Z")
 _CHART_TAG = re.compile(r"Stateflow S-Function (?:.* )?(\d+)\Z", re.DOTALL)
+_PART = re.compile(r"^__MWOPC_PART_BEGIN__ /(\S+).*\n", re.MULTILINE)
+_PACKAGE_END = "__MWOPC_PACKAGE_END__"
 _DEFAULTS = ("simulink/bddefaults.xml", "simulink/blockdiagram.xml")
 
 
@@ -70,7 +72,7 @@ class SimulinkLine:
 class SimulinkSystem:
     """Blocks by key (their number or name in the file) and the lines between them.
 
-    `settings` are those of the whole model, at its root: `PreLoadFcn`, `InitFcn`, `StopTime`.
+    `settings` are those of the whole model, at its root: callbacks such as `InitFcn`, `StopTime`.
     """
 
     blocks: dict[str, SimulinkBlock] = field(default_factory=dict)
@@ -102,7 +104,7 @@ def read_simulink(path: Path) -> SimulinkSystem:
     if zipfile.is_zipfile(path):
         try:
             with zipfile.ZipFile(path) as archive:
-                return _Archive(archive, path).root()
+                return _Archive(_Members(archive, path), path).root()
         except _DAMAGED as error:
             raise DesignError(
                 f"{path}: the archive is damaged: {error}; save the model again"
@@ -110,10 +112,21 @@ def read_simulink(path: Path) -> SimulinkSystem:
     data = path.read_bytes()
     if len(data) > _LARGEST_BYTES:
         raise DesignError(f"{path}: larger than {_LARGEST_BYTES >> 20} MB")
-    return _mdl_root(data.decode("utf-8", errors="replace"), path)
+    text = data.decode("utf-8", errors="replace")
+    parts = _text_parts(text)
+    return _Archive(parts, path).root() if parts else _mdl_root(text, path)
 
 
-class _Archive:
+def _text_parts(text: str) -> dict[str, bytes]:
+    """The XML files inside a package written as text, by name; none in an older file."""
+    pieces = _PART.split(text.rpartition(_PACKAGE_END)[0])
+    return {name: body.encode() for name, body in zip(pieces[1::2], pieces[2::2], strict=True)
+            if name.endswith(".xml")}  # fmt: skip
+
+
+class _Members(Mapping[str, bytes]):
+    """The files of an archive by name, unpacked when they are asked for."""
+
     def __init__(self, archive: zipfile.ZipFile, path: Path) -> None:
         self._archive = archive
         self._path = path
@@ -124,16 +137,32 @@ class _Archive:
                 f"{_MOST_FILES} files"
             )
         self._names = {info.filename for info in infos}
+
+    def __getitem__(self, name: str) -> bytes:
+        with self._archive.open(name) as file:
+            data = file.read(_LARGEST_BYTES + 1)
+        if len(data) > _LARGEST_BYTES:
+            raise DesignError(f"{self._path}: {name} is larger than its entry says")
+        return data
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
+class _Archive:
+    def __init__(self, members: Mapping[str, bytes], path: Path) -> None:
+        self._members = members
+        self._path = path
+        self._names = set(members)
         self._defaults = self._read_defaults()
         charts = [self._parse(name) for name in sorted(self._names) if _CHARTS.match(name)]
         self._scripts = {key: script for part in charts for key, script in _scripts(part)}
 
     def _parse(self, name: str) -> _Node:
-        with self._archive.open(name) as file:
-            data = file.read(_LARGEST_BYTES + 1)
-        if len(data) > _LARGEST_BYTES:
-            raise DesignError(f"{self._path}: {name} is larger than its entry says")
-        return _parse_xml(data, f"{self._path}: {name}")
+        return _parse_xml(self._members[name], f"{self._path}: {name}")
 
     def _read_defaults(self) -> dict[str, dict[str, str]]:
         for name in _DEFAULTS:

@@ -16,8 +16,9 @@ from ravenbrick.model import (
 from ravenbrick.model.diagram import AlgebraicLoopError
 from ravenbrick.simulink.assembly import Assembly
 from ravenbrick.simulink.builder import ContinuousForm, identifier
-from ravenbrick.simulink.file import SimulinkSystem, read_simulink
+from ravenbrick.simulink.file import SimulinkBlock, SimulinkSystem, read_simulink
 from ravenbrick.simulink.libraries import Libraries
+from ravenbrick.simulink.matlab.linear_systems import is_lti
 from ravenbrick.simulink.network import Network, Site
 from ravenbrick.simulink.numbers import Variables, Workspace
 from ravenbrick.simulink.translation import Refusal, Translation
@@ -35,6 +36,11 @@ __all__ = [
 
 _SURVEYED_STEPS = 20
 _CONTINUOUS = frozenset("Integrator SecondOrderIntegrator TransferFcn StateSpace ZeroPole".split())
+
+
+def _kind(block: SimulinkBlock) -> str:
+    """The type; of a linear system that the workspace has, a transfer function's."""
+    return "TransferFcn" if is_lti(block.parameters.get("SourceBlock", "")) else block.kind
 
 
 @dataclass(frozen=True)
@@ -119,7 +125,7 @@ def atomic_subsystem(root: SimulinkSystem) -> str:
         path, system = waiting.pop()
         for block in {block.name: block for block in system.blocks.values()}.values():
             own = f"{path}/{block.name}" if path else block.name
-            continuous |= block.kind in _CONTINUOUS
+            continuous |= _kind(block) in _CONTINUOUS
             if block.system is None:
                 continue
             if block.parameters.get("TreatAsAtomicUnit") == "on":
@@ -145,7 +151,7 @@ class ModelSource:
         root = read_simulink(self.path)
         settings = root.settings
         variables = Workspace({}, guess=self.variables.guess)
-        for callback in ("PreLoadFcn", "InitFcn"):
+        for callback in ("PreLoadFcn", "PostLoadFcn", "InitFcn"):
             assignments(settings.get(callback, ""), self.path.parent, variables)
         variables |= self.variables
         for part in self.subsystem.split("/") if self.subsystem else ():
@@ -183,7 +189,7 @@ class ModelSource:
     def ordered(self, translation: Translation) -> Imported:
         """With held inputs of continuous blocks if they close a loop otherwise."""
         sites = translation.network.sites.values()
-        kinds = {site.kind for site in sites if not site.commented}
+        kinds = {_kind(site.block) for site in sites if not site.commented}
         form = ContinuousForm.TUSTIN
         diagram = self.assembled(translation)
         try:
@@ -207,13 +213,17 @@ class ModelSource:
 
 
 def survey_simulink(
-    path: Path, sample_time: float = 0.01, libraries: Sequence[Path] = ()
+    path: Path,
+    sample_time: float = 0.01,
+    libraries: Sequence[Path] = (),
+    variables: Variables | None = None,
 ) -> Survey:
-    """What of a model can be imported; unknown variables count as 1.
+    """What of a model can be imported; variables that are not given count as 1.
 
     A block of a library counts once, as refused if any block inside it is.
     """
-    source = ModelSource(path, sample_time, Workspace({}, guess=True), tuple(libraries))
+    given = Workspace(variables or {}, guess=True)
+    source = ModelSource(path, sample_time, given, tuple(libraries))
     translation = source.read()
     own = [site for site in translation.network.sites.values() if not site.link]
     refusals = {}
@@ -248,4 +258,5 @@ def _is_continuous_pid(site: Site) -> bool:
     own = site.block.parameters
     name = own.get("SourceBlock", "").replace("\n", " ")
     discrete = own.get("TimeDomain", "Continuous-time").startswith("Discrete")
-    return name.endswith("/PID Controller") and not discrete and not site.commented
+    ends = ("/PID Controller", "/PID Controller (2DOF)")
+    return name.endswith(ends) and not discrete and not site.commented

@@ -15,6 +15,8 @@ __all__ = ["Libraries", "tight"]
 
 _SUFFIXES = (".slx", ".mdl")
 _LARGEST_PROGRAM = 1 << 20
+# Folders of classes and packages, and private ones: their functions have no plain name elsewhere.
+_OWNED = re.compile(r"/(?:[@+][^/]*|private)(?:/|\Z)")
 
 
 def tight(name: str) -> str:
@@ -35,7 +37,8 @@ class Libraries:
         own = [self._model.with_name(f"{name}{suffix}") for suffix in suffixes]
         found = [path for path in own if path.is_file()]
         for folder in self._folders:
-            found += sorted(path for suffix in suffixes for path in folder.rglob(f"{name}{suffix}"))
+            every = (path for suffix in suffixes for path in folder.rglob(f"{name}{suffix}"))
+            found += sorted(p for p in every if not _OWNED.search(p.parent.as_posix()))
         return found[0] if found else None
 
     def program(self, name: str) -> str | None:

@@ -20,6 +20,7 @@ __all__ = [
 Variables = Mapping[str, "float | np.ndarray"]
 
 _MOST_ELEMENTS = 100_000
+_HIGHEST_DEGREE = 1000
 _NAMES = {
     "pi": math.pi, "inf": math.inf, "Inf": math.inf, "eps": 2.0**-52, "true": 1.0, "false": 0.0,
     "nan": math.nan, "NaN": math.nan,
@@ -55,6 +56,14 @@ _ONE: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "size": lambda v: np.array([v.shape]), "isempty": lambda v: np.array(v.size == 0),
     "transpose": np.transpose, "det": lambda v: np.array(np.linalg.det(v)),
     "norm": lambda v: np.array(np.linalg.norm(v, 2)), "trace": lambda v: np.array(np.trace(v)),
+    "rank": lambda v: np.array(float(np.linalg.matrix_rank(v))), "pinv": np.linalg.pinv,
+    "eig": lambda v: _real(np.linalg.eigvals(v)),
+    "roots": lambda v: _real(np.roots(_short(v))),
+    "poly": lambda v: np.poly(v if v.shape[0] == v.shape[1] > 1 else _short(v))[np.newaxis],
+    "expm": lambda v: _exponential(v), "fliplr": np.fliplr, "flipud": np.flipud,
+    "diff": lambda v: np.diff(v, axis=0 if len(v) > 1 else 1),
+    "cumsum": lambda v: np.cumsum(v, axis=0 if len(v) > 1 else 1),
+    "mean": lambda v: np.mean(v, axis=0 if len(v) > 1 else 1),
     "sinc": np.sinc, "any": lambda v: np.array(np.any(v)), "all": lambda v: np.array(np.all(v)),
     **{f"int{bits}": _limited(-(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1)
        for bits in (8, 16, 32)},
@@ -63,6 +72,8 @@ _ONE: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 _TWO: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "atan2": np.arctan2, "mod": np.mod, "rem": np.fmod, "min": np.minimum, "max": np.maximum,
     "power": np.power, "times": np.multiply, "size": lambda v, axis: _size(v, int(axis[0, 0])),
+    "conv": lambda v, w: np.convolve(_short(v), _short(w))[np.newaxis],
+    "kron": lambda v, w: np.kron(v, w) if v.size * w.size <= _MOST_ELEMENTS else _too_large(),
     "dot": lambda v, w: np.array(np.sum(v * w)), "hypot": np.hypot,
     "cross": lambda v, w: np.cross(v.ravel(), w.ravel()).reshape(v.shape),
 }  # fmt: skip
@@ -77,7 +88,31 @@ def _size(value: np.ndarray, axis: int) -> np.ndarray:
     return np.array(float(value.shape[axis - 1] if axis <= 2 else 1))
 
 
-_FUNCTIONS = frozenset([*_ONE, *_TWO, *_SHAPES, "linspace"])
+def _real(values: np.ndarray) -> np.ndarray:
+    """A column, in order of size; raises `ValueError` for complex numbers."""
+    if np.any(np.abs(np.imag(values)) > 1e-12 * np.abs(values)):
+        raise ValueError("the values are complex; signals are real numbers")
+    return np.asarray(np.sort(np.real(values))[:, np.newaxis])
+
+
+def _short(values: np.ndarray) -> np.ndarray:
+    """The coefficients or roots of a polynomial."""
+    if values.size > _HIGHEST_DEGREE:
+        raise ValueError(f"a polynomial of {values.size} coefficients")
+    return values.ravel()
+
+
+def _too_large() -> np.ndarray:
+    raise ValueError(f"a matrix of more than {_MOST_ELEMENTS} elements")
+
+
+def _exponential(value: np.ndarray) -> np.ndarray:
+    from scipy.linalg import expm  # slow to load
+
+    return np.asarray(expm(value))
+
+
+_FUNCTIONS = frozenset([*_ONE, *_TWO, *_SHAPES, "linspace", "logspace", "repmat"])
 
 
 class Workspace(dict[str, "float | np.ndarray"]):
@@ -94,6 +129,24 @@ class Workspace(dict[str, "float | np.ndarray"]):
 
     def __missing__(self, name: str) -> float:
         return 1.0
+
+    def known(self) -> Workspace:
+        """The same without guesses."""
+        return Workspace(self) if self.guess else self
+
+    def guesses(self, text: str) -> bool:
+        """Whether an expression has a value only by a guess."""
+        return self.guess and self.sure(text) is None
+
+    def sure(self, text: str) -> np.ndarray | None:
+        """The matrix that an expression stands for without guesses; None if it has none."""
+        guess, self.guess = self.guess, False  # no copy, as there may be thousands of variables
+        try:
+            return value_of(text, self)
+        except ValueError:
+            return None
+        finally:
+            self.guess = guess
 
     def inside(self, more: Variables) -> Workspace:
         """The variables inside a masked subsystem."""
@@ -217,6 +270,14 @@ def call(name: str, given: list[np.ndarray]) -> np.ndarray:
         return np.asarray(getattr(np, name)(given[0], axis=0 if len(given[0]) > 1 else 1))
     if name == "linspace" and len(given) == 3 and given[2][0, 0] <= _MOST_ELEMENTS:
         return np.linspace(given[0][0, 0], given[1][0, 0], int(given[2][0, 0]))
+    if name == "logspace" and len(given) == 3 and given[2][0, 0] <= _MOST_ELEMENTS:
+        return np.logspace(given[0][0, 0], given[1][0, 0], int(given[2][0, 0]))
+    if name == "repmat" and 2 <= len(given) <= 3:
+        turns = [int(one) for value in given[1:] for one in value.ravel()]
+        turns = turns * 2 if len(turns) == 1 else turns
+        if min(turns) < 0 or given[0].size * math.prod(turns) > _MOST_ELEMENTS:
+            raise ValueError(f"a matrix repeated {' x '.join(map(str, turns))} times")
+        return np.tile(given[0], turns)
     if name in _SHAPES and 1 <= len(given) <= 2:
         sizes = [int(one) for value in given for one in value.ravel()]
         sizes = sizes * 2 if len(sizes) == 1 else sizes

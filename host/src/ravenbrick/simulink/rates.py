@@ -6,15 +6,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from fractions import Fraction
+from functools import reduce
 
+from ravenbrick.simulink.matlab.linear_systems import is_lti, lti_rate
 from ravenbrick.simulink.network import Network, Site
-from ravenbrick.simulink.numbers import scalar
 
-__all__ = ["block_rates", "own_rate"]
+__all__ = ["base_rate", "block_rates", "own_rate"]
 
 
 def own_rate(site: Site) -> float | None:
     """The sample time that a block gives itself, in s; None if it inherits it."""
+    if is_lti(site.block.parameters.get("SourceBlock", "")):
+        return lti_rate(site.block.parameters.get("sys", "1"), site.variables)
     noise = site.block.parameters.get("SourceBlock", "").endswith("White Noise")
     text = (
         site.block.parameters.get("Ts" if noise else "SampleTime", "-1")
@@ -25,11 +29,11 @@ def own_rate(site: Site) -> float | None:
     first = text.split()[0] if text.split() else "-1"
     if site.kind == "Constant" or first in ("-1", "0", "inf", "Inf"):
         return None
-    try:
-        value = scalar(first, site.variables)
-    except ValueError:
+    found = site.variables.sure(first)
+    if found is None or found.size != 1:
         return None
-    return value if value > 0 and math.isfinite(value) and not site.variables.guess else None
+    value = float(found[0, 0])
+    return value if value > 0 and math.isfinite(value) else None
 
 
 def block_rates(network: Network, sample_time: float) -> Mapping[str, float]:
@@ -57,3 +61,21 @@ def block_rates(network: Network, sample_time: float) -> Mapping[str, float]:
         if not changed:
             break
     return rates
+
+
+def base_rate(network: Network, given: float) -> float | None:
+    """The longest time of which all sample times are multiples; None if nothing is sampled."""
+    sites = (site for site in network.sites.values() if not site.commented)
+    rates = {rate for site in sites if (rate := own_rate(site)) is not None}
+    rates |= {given} if given > 0 else set()
+    if not rates:
+        return None
+    exact = [Fraction(f"{rate:.9g}") for rate in rates]
+
+    def common(one: Fraction, two: Fraction) -> Fraction:
+        return Fraction(
+            math.gcd(one.numerator * two.denominator, two.numerator * one.denominator),
+            one.denominator * two.denominator,
+        )
+
+    return float(reduce(common, exact))

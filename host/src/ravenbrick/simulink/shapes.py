@@ -11,11 +11,12 @@ from itertools import pairwise
 import numpy as np
 
 from ravenbrick.simulink.blocks.programs import interpreted_shape, program_shapes
+from ravenbrick.simulink.matlab.linear_systems import is_lti, system_of
 from ravenbrick.simulink.network import End, Network, Site
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.signals import Bus, Shape, plain, size_of
 
-__all__ = ["demux_sizes", "selected", "shapes_of"]
+__all__ = ["as_matrix", "chosen_places", "demux_sizes", "selected", "shapes_of"]
 
 _MOST_ROUNDS = 60
 _LARGEST = 4096
@@ -139,7 +140,7 @@ def _is_open(network: Network, site: Site) -> bool:
     if site.kind == "Constant":
         text = parameters.get("Value", "1")
         return typed or (
-            site.variables.guess and re.fullmatch(r"[A-Za-z_][\w.]*", text) is not None
+            re.fullmatch(r"[A-Za-z_][\w.]*", text) is not None and site.variables.guesses(text)
         )
     if site.kind == "Inport" and network.is_root_port(site):
         return typed or parameters.get("PortDimensions", "-1") == "-1"
@@ -309,10 +310,49 @@ def _reshape(site: Site, network: Network, shapes: Mapping[End, Shape]) -> dict[
     return {1: rows.get(kind, (total,))}
 
 
+def chosen_places(site: Site, sizes: tuple[int, ...]) -> list[list[int]]:
+    """Of a selection of rows and columns by the dialog, what is taken of each dimension."""
+    parameters = site.block.parameters
+    options = [one.strip() for one in parameters.get("IndexOptions", "").split(",")]
+    first = 0 if parameters.get("IndexMode", "One-based") == "Zero-based" else 1
+    places = _parts(parameters.get("Indices", "1,1"))
+    counts = _parts(parameters.get("OutputSizes", "1,1"))
+    if not len(options) == len(places) == len(counts) == len(sizes) == 2:
+        raise ValueError("a selection from more than two dimensions, or of a matrix of one row")
+    found = []
+    for option, text, count, size in zip(options, places, counts, sizes, strict=True):
+        if option == "Select all":
+            found.append(list(range(size)))
+            continue
+        if option not in ("Index vector (dialog)", "Starting index (dialog)"):
+            raise ValueError(f"the way to select '{option}'")
+        own = [int(v) - first for v in value_of(text, site.variables).ravel()]
+        if option.startswith("Starting"):
+            length = int(value_of(count, site.variables)[0, 0])
+            own = list(range(own[0], own[0] + length))
+        if any(not 0 <= place < size for place in own):
+            raise ValueError(f"it selects elements beyond the {size} of its input")
+        found.append(own)
+    return found
+
+
+def _parts(text: str) -> list[str]:
+    """What stands between commas outside of brackets."""
+    return re.findall(r"(?:\[[^\]]*\]|\([^)]*\)|[^,])+", text)
+
+
+def as_matrix(shape: Shape) -> tuple[int, ...]:
+    """Rows and columns; a vector is a column."""
+    sizes = plain(shape)
+    return sizes if len(sizes) == 2 else (sizes[0], 1)
+
+
 def _selector(site: Site, network: Network, shapes: Mapping[End, Shape]) -> dict[int, Shape]:
     parameters = site.block.parameters
     if parameters.get("NumberOfDimensions", "1") != "1":
-        return {1: (1,)}
+        given = _input(site, network, shapes, 1) or (1,)
+        rows, columns = chosen_places(site, as_matrix(given))
+        return {1: (len(rows), len(columns))}
     option = parameters.get("IndexOptions", "Index vector (dialog)")
     if option == "Select all":
         return _first_input(site, network, shapes)
@@ -370,6 +410,14 @@ def _transfer_function(
     return {1: (len(rows),)} if len(rows) > 1 else _widest(site, network, shapes)
 
 
+def _reference(site: Site, network: Network, shapes: Mapping[End, Shape]) -> dict[int, Shape]:
+    if not is_lti(site.block.parameters.get("SourceBlock", "")):
+        return _widest(site, network, shapes)
+    system = system_of(site.block.parameters.get("sys", "1"), site.variables)
+    count = len(system) if isinstance(system, np.ndarray) else system.noutputs
+    return {1: (count,)} if count > 1 else _widest(site, network, shapes)
+
+
 def _multiport(site: Site, network: Network, shapes: Mapping[End, Shape]) -> dict[int, Shape]:
     given = _inputs(site, network, shapes)
     return {1: max([*given[1:], *given[:1]], key=size_of, default=(1,))}
@@ -380,7 +428,7 @@ _RULES: dict[str, Rule] = {
     "BusAssignment": _first_input, "Constant": _constant,
     "Concatenate": _concatenate, "Reshape": _reshape, "Selector": _selector, "Math": _math,
     "Product": _product, "Gain": _gain, "StateSpace": _state_space,
-    "TransferFcn": _transfer_function,
+    "TransferFcn": _transfer_function, "Reference": _reference,
     "DiscreteStateSpace": _state_space, "MultiPortSwitch": _multiport,
     "SignalConversion": _first_input, "RateTransition": _first_input, "Assignment": _first_input,
     "Fcn": lambda site, network, shapes: {1: (1,)}, "Outport": _first_input,

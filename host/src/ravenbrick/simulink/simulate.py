@@ -7,22 +7,22 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
-from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.errors import DesignError
+from ravenbrick.model import ZeroOrderHold
 from ravenbrick.model.blocks.continuous import ContinuousStateSpace
+from ravenbrick.model.blocks.implicit import LateSignal, LoopSignal
 from ravenbrick.model.blocks.time_functions import TimeFunction
-from ravenbrick.model.diagram import AlgebraicLoopError
+from ravenbrick.model.diagram import AlgebraicLoopError, Diagram
 from ravenbrick.model.simulation.hybrid import Hybrid
 from ravenbrick.simulink.builder import ContinuousForm
 from ravenbrick.simulink.importer import ModelSource
 from ravenbrick.simulink.network import Network
 from ravenbrick.simulink.numbers import value_of
-from ravenbrick.simulink.rates import own_rate
+from ravenbrick.simulink.rates import base_rate, own_rate
 from ravenbrick.simulink.signals import Node, Ref
 from ravenbrick.simulink.translation import Refusal, Translation
 
@@ -30,6 +30,7 @@ __all__ = ["Signal", "Simulation", "StepFigures", "simulate"]
 
 Floats = NDArray[np.float64]
 BAND = 0.02
+_MOST_LOOPS = 200
 _DEFAULT_STOP = 10.0
 _AT_REST = 0.05  # share of the time at the end in which a settled signal stays within the band
 
@@ -64,13 +65,17 @@ class Signal:
 
 @dataclass(frozen=True)
 class Simulation:
-    """Signals at the instants `times` (s); `sample_time` (s) is the shortest of sampled blocks."""
+    """Signals at the instants `times` (s); `sample_time` (s) is the shortest of sampled blocks.
+
+    `algebraic_loops` were closed at every instant.
+    """
 
     times: Floats
     signals: tuple[Signal, ...]
     sample_time: float | None
     continuous_states: int
     stop: float
+    algebraic_loops: int = 0
 
 
 def simulate(
@@ -81,15 +86,15 @@ def simulate(
     Continuous blocks are integrated with a variable step, sampled blocks run at their rates.
     `source.sample_time` is that of sampled blocks which state none, or 0. Root inports are
     constants: `inputs` by name, else 0. Raises `DesignError` with the blocks that cannot be
-    simulated, or with an algebraic loop by the paths of its blocks.
+    simulated, or with an algebraic loop that has no solution.
     """
     network = source.network()
     stop = _stop_time(source, network) if stop is None else stop
-    base = _base_rate(network, source.sample_time)
+    base = base_rate(network, source.sample_time)
     try:
         translation, hybrid = _prepared(source, network, base or stop, exact_rates=True)
     except AlgebraicLoopError:
-        # Filters in place of exact derivatives may open the loop.
+        # Filters in place of exact derivatives may open the loop; the simulation closes others.
         translation, hybrid = _prepared(source, network, base or stop, exact_rates=False)
     given = dict(inputs or {})
     known = {slot.name for slot in hybrid.program.inputs}
@@ -98,8 +103,9 @@ def simulate(
             f"{source.path}: there is no inport '{min(given.keys() - known)}'; "
             f"there are: {', '.join(sorted(known)) or 'none'}"
         )
+    rates = base if _is_sampled(translation) else None
     try:
-        response = hybrid.run(stop, base, given)
+        response = hybrid.run(stop, rates, given)
     except ValueError as error:
         raise DesignError(
             f"{source.path}: the simulation cannot go on: a sine or cosine of an infinite number; "
@@ -111,8 +117,10 @@ def simulate(
                _figures(response.times, response.signals[name], begin))
         for name, label, path in _labels(translation)
     )  # fmt: skip
-    count = sum(len(n.block.states()) for n in translation.nodes if _is_continuous(n))
-    return Simulation(response.times, signals, base, count, stop)
+    count = sum(len(n.block.states()) for n in translation.nodes
+                if isinstance(n.block, ContinuousStateSpace))  # fmt: skip
+    loops = sum(isinstance(node.block, LoopSignal) for node in translation.nodes)
+    return Simulation(response.times, signals, rates, count, stop, loops)
 
 
 def _prepared(
@@ -123,17 +131,29 @@ def _prepared(
     source.require_whole(translation, "simulated")
     if translation.outports:
         translation.show_sinks()
-    try:
-        return translation, Hybrid(source.assembled(translation), sampled)
-    except AlgebraicLoopError as error:
-        if exact_rates:
-            raise
-        paths = {node.block.name: node.path for node in translation.nodes}
-        loop = " -> ".join(dict.fromkeys(paths.get(name, name) for name in error.loop))
-        raise DesignError(
-            f"{source.path}: the algebraic loop {loop} has no state; put a transfer function with "
-            "more poles than zeros, or a delay, into it"
-        ) from error
+    diagram = source.assembled(translation)
+    if not exact_rates:
+        diagram = _without_loops(source, translation, sampled, diagram)
+    return translation, Hybrid(diagram, sampled)
+
+
+def _without_loops(
+    source: ModelSource, translation: Translation, sampled: set[str], diagram: Diagram
+) -> Diagram:
+    """The diagram with a signal in each algebraic loop that the simulation has to find."""
+    for _ in range(_MOST_LOOPS):
+        try:
+            diagram.order()
+        except AlgebraicLoopError as error:
+            nodes = {node.block.name: node for node in (*translation.nodes, *translation.outports)}
+            loop = [nodes[name] for name in error.loop]
+            translation.open_loop(loop[0], loop[1], sampled)
+            diagram = source.assembled(translation)
+        else:
+            return diagram
+    raise DesignError(
+        f"{source.path}: more than {_MOST_LOOPS} algebraic loops; put delays into them"
+    )
 
 
 def _stop_time(source: ModelSource, network: Network) -> float:
@@ -147,26 +167,18 @@ def _stop_time(source: ModelSource, network: Network) -> float:
     return found
 
 
-def _base_rate(network: Network, given: float) -> float | None:
-    """The longest time of which all sample times are multiples; None if nothing is sampled."""
-    sites = (site for site in network.sites.values() if not site.commented)
-    rates = {rate for site in sites if (rate := own_rate(site)) is not None}
-    rates |= {given} if given > 0 else set()
-    if not rates:
-        return None
-    exact = [Fraction(f"{rate:.9g}") for rate in rates]
-
-    def common(one: Fraction, two: Fraction) -> Fraction:
-        return Fraction(
-            math.gcd(one.numerator * two.denominator, two.numerator * one.denominator),
-            one.denominator * two.denominator,
-        )
-
-    return float(reduce(common, exact))
+def _is_sampled(translation: Translation) -> bool:
+    """Whether any block states a sample time or has to take the one that is given."""
+    stated = any(own_rate(s) for s in translation.network.sites.values() if not s.commented)
+    return stated or any(
+        node.path and not _is_continuous(node)
+        and (node.block.states() or isinstance(node.block, ZeroOrderHold))
+        for node in translation.nodes
+    )  # fmt: skip
 
 
 def _is_continuous(node: Node) -> bool:
-    return isinstance(node.block, ContinuousStateSpace)
+    return isinstance(node.block, ContinuousStateSpace | LateSignal | LoopSignal)
 
 
 def _sampled_nodes(translation: Translation, inherit: bool) -> set[str]:

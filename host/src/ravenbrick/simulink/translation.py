@@ -20,13 +20,15 @@ from ravenbrick.model import (
     ZeroOrderHold,
 )
 from ravenbrick.model.blocks.continuous import ContinuousBlock
+from ravenbrick.model.blocks.implicit import LoopSignal
 from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.simulink.blocks.conditions import held_output, triggered
-from ravenbrick.simulink.blocks.library import library_maker, library_name, own_library
+from ravenbrick.simulink.blocks.library import library_maker, library_name, only_checks, own_library
 from ravenbrick.simulink.blocks.sources import recorded
-from ravenbrick.simulink.blocks.table import IGNORED, IN_TIME, MAKERS, STRUCTURE
+from ravenbrick.simulink.blocks.table import IGNORED, IN_TIME, LTI, MAKERS, STRUCTURE
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Names, identifier
 from ravenbrick.simulink.differentiation import Differentiation
+from ravenbrick.simulink.matlab.linear_systems import is_lti
 from ravenbrick.simulink.network import CONTROLS, End, Network, Site
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.rates import block_rates, own_rate
@@ -167,8 +169,9 @@ class Translation:
             maker = IN_TIME.get(site.kind, maker)
         if site.kind == "Reference":
             source = site.block.parameters.get("SourceBlock", "")
-            maker = library_maker(source)
-            if _is_sink(site) or (own_library(source) and library_name(source) in _NOTES):
+            maker = MAKERS[LTI] if is_lti(source) else library_maker(source)
+            note = own_library(source) and library_name(source) in _NOTES
+            if _is_sink(site) or note or only_checks(source):
                 return
             if maker is None:
                 where = "has no counterpart" if own_library(source) else "is not at hand"
@@ -186,8 +189,10 @@ class Translation:
         builder = self._builder(site)
         try:
             maker(builder)
-        except (ValueError, KeyError, IndexError, DesignError, NotImplementedError) as error:
-            self._refuse(site, f"{error}", outside=site.kind == "MATLABFunction")
+        except (
+            ValueError, KeyError, IndexError, DesignError, NotImplementedError, ArithmeticError,
+        ) as error:  # fmt: skip
+            self._refuse(site, f"{error}")
             return
         self._take(builder)
 
@@ -266,16 +271,36 @@ class Translation:
 
     @property
     def has_outputs(self) -> bool:
-        """Whether there is anything to simulate: an outport or a scope."""
+        """Whether there is anything to simulate: an outport, a scope, or a signal."""
         sites = self.network.sites.values()
-        return bool(self._ports) or any(_is_sink(s) and not s.commented for s in sites)
+        shown = any(_is_sink(s) and not s.commented for s in sites)
+        return bool(self._ports) or shown or bool(self._ends())
 
     def require_outputs(self, path: Path) -> None:
-        """Without an outport, scopes are the outputs; raises `DesignError` without either."""
+        """Without an outport, scopes are the outputs, and without those what leads nowhere.
+
+        Raises `DesignError` if there is no signal at all.
+        """
         if not self._ports:
             self.show_sinks()
         if not self._ports:
-            raise DesignError(f"{path}: the model has neither outport nor scope; add an outport")
+            for end in self._ends():
+                name = identifier(self.network.sites[end[0]].block.name)
+                for element in range(len(self._outputs[end])):
+                    port = Outport(self._names.new(name, f"_{element + 1}" if element else ""))
+                    self._ports.append(Node(port, end[0], [Ref(*end, element)]))
+        if not self._ports:
+            raise DesignError(
+                f"{path}: the model has no signal to show; add a block and an outport"
+            )
+
+    def _ends(self) -> list[End]:
+        """Outputs of blocks that no block reads, or only a terminator."""
+        network = self.network
+        readers = [s for s in network.sites.values() if s.kind not in {*STRUCTURE, "Terminator"}]
+        read = {network.source(s.path, port) for s in readers
+                for port in range(1, network.inputs(s.path) + 1)}  # fmt: skip
+        return [end for end in self._outputs if end not in read]
 
     def show_sinks(self) -> None:
         """What scopes and the like show becomes outputs; raises `DesignError` for a refused one."""
@@ -305,6 +330,17 @@ class Translation:
                 )
             wire = wires[wire.element]
         raise DesignError(f"'{place}' reads a signal that only leads to itself")
+
+    def open_loop(self, source: Node, target: Node, sampled: set[str]) -> None:
+        """Let a signal that a simulation finds lead from one node to the next."""
+        for place, wire in enumerate(target.inputs):
+            node = self.node(wire, target.path)
+            if node is source and target.block.feedthrough(place):
+                loop = Node(LoopSignal(self._names.new(source.path, "_loop")), source.path, [wire])
+                self.nodes.append(loop)
+                target.inputs[place] = loop
+                if source.block.name in sampled:
+                    sampled.add(loop.block.name)
 
     @property
     def outports(self) -> list[Node]:

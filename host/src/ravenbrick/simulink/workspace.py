@@ -14,12 +14,15 @@ from ravenbrick.simulink.matlab.linear_systems import Systems
 from ravenbrick.simulink.matlab.statements import split
 from ravenbrick.simulink.numbers import Workspace
 
-__all__ = ["assignments", "read_workspace"]
+__all__ = ["assignments", "read_workspace", "script"]
 
 _LARGEST_BYTES = 4 << 20
 _NAME = r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*"
 _ASSIGNMENT = re.compile(rf"\s*(?:({_NAME})|\[([^\]]+)\])\s*=(?!=)\s*(.+)\Z", re.DOTALL)
 _TARGET = re.compile(rf"{_NAME}|~")
+_SCRIPT = re.compile(r"\s*(?:run\s*\(?\s*)?'?([A-Za-z]\w*)(?:\.m)?'?\s*\)?\s*\Z")
+_PROGRAM = re.compile(r"\s*(?:%[^\n]*\n\s*)*(?:function|classdef)\b")
+_DEEPEST = 5
 _LOAD = re.compile(r"\s*load\s*\(?\s*'?([\w./-]+?)'?\s*\)?\s*\Z")
 
 
@@ -51,9 +54,29 @@ def _read(path: Path, found: Workspace) -> None:
 
 
 def assignments(text: str, folder: Path, found: Workspace) -> None:
-    """Add what a program in MATLAB's language assigns; `folder` holds .mat files that it loads."""
-    systems = Systems(found)
+    """Add what a program in MATLAB's language assigns.
+
+    `folder` holds .mat files that it loads and scripts that it names.
+    """
+    _assign(text, folder, found, Systems(found), 0)
+
+
+def script(path: Path) -> str | None:
+    """The text of an .m file; None for one that is a function, a class or too large."""
+    if not path.is_file() or path.stat().st_size > _LARGEST_BYTES:
+        return None
+    text = path.read_text(encoding="utf-8", errors="replace")
+    return None if _PROGRAM.match(text) else text
+
+
+def _assign(text: str, folder: Path, found: Workspace, systems: Systems, depth: int) -> None:
     for _, statement in split(text):
+        named = _SCRIPT.match(statement)
+        if named and depth < _DEEPEST:
+            inner = script(folder / f"{named[1]}.m")
+            if inner is not None:
+                _assign(inner, folder, found, systems, depth + 1)
+            continue
         load = _LOAD.match(statement)
         if load:
             other = folder / load[1]

@@ -10,7 +10,7 @@ from typing import Any
 from ravenbrick.model import program as ir
 from ravenbrick.model.simulation.python_text import Memory, PythonText, look_up, place_of, whole
 
-__all__ = ["Decisions"]
+__all__ = ["Decisions", "read_by"]
 
 _TOLERANCE = 1e-10  # of a difference, relative to the greater side and at least absolute
 
@@ -144,7 +144,7 @@ class _Found:
         return self.hold_table(number, numbers, value)
 
 
-def _read_by(whole: Sequence[ir.Statement], wanted: Sequence[bool]) -> list[bool]:
+def read_by(whole: Sequence[ir.Statement], wanted: Sequence[bool]) -> list[bool]:
     """Which statements are wanted, or compute what wanted ones behind them read."""
     read: set[tuple[ir.Kind, str]] = set()
     found = []
@@ -198,8 +198,8 @@ class Decisions:
         self._found.held += [None] * len(self._blocks)
         self._values = made("hold", every, shown)[1]
         moving = [place >= len(statements) for place in range(len(whole))]
-        self._slopes = made("hold", _read_by(whole, moving), None)[1]
-        self._measure = made("measure", _read_by(whole, text.deciding), ())[1]
+        self._slopes = made("hold", read_by(whole, moving), None)[1]
+        self._measure = made("measure", read_by(whole, text.deciding), ())[1]
 
     def find(self, memory: Memory, given: Sequence[float]) -> tuple[Any, ...]:
         """Decide anew."""

@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
+from ravenbrick.model.blocks.implicit import ImplicitSignal
 from ravenbrick.model.blocks.time_functions import TICK, TIME, TimeFunction
 from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.flattening import flattened, with_shifts
 from ravenbrick.model.simulation.decided_text import Decisions
+from ravenbrick.model.simulation.implicit import Implicit
 from ravenbrick.model.simulation.python_text import PythonText
 
 __all__ = ["Event", "Hybrid", "Response", "Solver"]
@@ -86,8 +88,12 @@ class Hybrid:
         self.program = program
         self._solver = solver or Solver()
         self._functions = [b for b in blocks.values() if isinstance(b, TimeFunction)]
-        continuous = {name for name, block in blocks.items() if block.is_continuous}
-        statements = list(ir.statements(program.statements))
+        implicit = {name for name, block in blocks.items() if isinstance(block, ImplicitSignal)}
+        continuous = {name for name, block in blocks.items() if block.is_continuous} - implicit
+        everything_said = list(ir.statements(program.statements))
+        found = [s for s in everything_said
+                 if s.block in implicit and s.target.kind is ir.Kind.STATE]  # fmt: skip
+        statements = [s for s in everything_said if s not in found]
         own = [s for s in statements if s.block in continuous and s.target.kind is ir.Kind.STATE]
         at_samples = [s for s in statements if s not in own]
         always = [
@@ -109,6 +115,7 @@ class Hybrid:
         text.instructions(at_samples)
         self._sample = text.function(self._inputs, [])
         self._decisions = Decisions(kept, self._inputs, always, own, self.shown)
+        self._implicit = Implicit(kept, self._inputs, always, at_samples, found, blocks, sampled)
         self._given: list[Given] = [0.0] * len(program.inputs)
         self.x = np.array([slot.initial for slot in self._states])
         self._times: list[float] = []
@@ -156,7 +163,7 @@ class Hybrid:
         self._stop = stop
         breaks = [t for f in self._functions for t in f.breaks(stop) if 0 < t <= stop]
         found: dict[int, float] = {}
-        for instant in (*hits, *breaks):
+        for instant in (*hits, *breaks, *self._implicit.echoes([*hits, *breaks], stop)):
             found.setdefault(round(instant / TICK), instant)
         return [found[tick] for tick in sorted(found)]
 
@@ -164,24 +171,31 @@ class Hybrid:
         """The values of the inputs; just before the end of a piece its jump has not come yet."""
         return [*(value(time) if callable(value) else value for value in self._given), time]
 
+    def _put(self, states: Floats, time: float, *, at_sample: bool = False) -> list[float]:
+        """States and implicit signals into the memory; the values of the inputs."""
+        given = self._at(time)
+        self._memory[: len(states)] = states.tolist()
+        if self._implicit:
+            self._implicit.put(self._memory, given, at_sample=at_sample)
+        return given
+
     def sample(self, time: float) -> None:
         """Sampled blocks take their inputs."""
-        self._memory[: len(self.x)] = self.x.tolist()
+        given = self._put(self.x, time, at_sample=True)
         with np.errstate(all="ignore"):
-            self._sample(self._memory, self._at(time), None)
+            self._sample(self._memory, given, None)
 
     def values(self, time: float) -> dict[str, float]:
         """The outputs at an instant."""
-        self._memory[: len(self.x)] = self.x.tolist()
-        found = self._decisions.find(self._memory, self._at(time))
+        found = self._decisions.find(self._memory, self._put(self.x, time))
         return {slot.name: found[place] for place, slot in enumerate(self.program.outputs)}
 
     def record(self, time: float, *, before_jump: bool = False) -> None:
         """Note what is shown, at an instant after its jumps unless `before_jump`."""
-        self._memory[: len(self.x)] = self.x.tolist()
-        seen = time - TICK if before_jump else time
+        given = self._put(self.x, time - TICK if before_jump else time)
         self._times.append(time)
-        self._rows.append(self._decisions.find(self._memory, self._at(seen)))
+        self._rows.append(self._decisions.find(self._memory, given))
+        self._implicit.note(self._memory, given)
 
     def advance(self, begin: float, end: float) -> None:
         """Integrate over a time without jumps and note points, a thousand in the whole run."""
@@ -192,8 +206,8 @@ class Hybrid:
         points = np.linspace(begin, end, count + 1)[1:]
         dwell, quick = self._stop / _POINTS * _DWELL, 0
         while points.size:
-            self._memory[: len(self.x)] = self.x.tolist()
-            self._decisions.find(self._memory, self._at(min(begin, end - TICK)))
+            given = self._put(self.x, min(begin, end - TICK))
+            self._decisions.find(self._memory, given)
             if quick < _QUICK_CHANGES:
                 reached = self._piece(begin, points)
                 quick = quick + 1 if reached - begin < dwell else 0
@@ -209,17 +223,16 @@ class Hybrid:
 
     def _note(self, time: float, x: Floats) -> None:
         """Record with the decisions as they are."""
-        self._memory[: len(x)] = x.tolist()
+        given = self._put(x, min(time, self._end - TICK))
         self._times.append(time)
-        values = self._decisions.values(self._memory, self._at(min(time, self._end - TICK)))
-        self._rows.append(values)
+        self._rows.append(self._decisions.values(self._memory, given))
 
     def _piece(self, begin: float, points: Floats, *, located: bool = True) -> float:
         """Go to the instant at which a decision changes, or to the last of the points.
 
         Unless `located`, decisions are held until then.
         """
-        memory, decisions, size = self._memory, self._decisions, len(self.x)
+        memory, decisions = self._memory, self._decisions
         last = self._end - TICK
         evaluations = 0
 
@@ -231,15 +244,15 @@ class Hybrid:
                     f"the simulation does not advance beyond {time:.6g} s: signals jump there "
                     "without a sample time, such as those of a quantiser; give it one"
                 )
-            memory[:size] = states.tolist()
-            return decisions.slopes(memory, self._at(min(time, last)))
+            return decisions.slopes(memory, self._put(states, min(time, last)))
 
         def distance(time: float, states: Floats) -> float:
-            memory[:size] = states.tolist()
-            return decisions.distance(memory, self._at(min(time, last)))
+            return decisions.distance(memory, self._put(states, min(time, last)))
 
         located = located and decisions.any
-        solver = self._started(slope, begin, float(points[-1])) if size else _Still(begin, points)
+        solver: Any = _Still(begin, points)
+        if len(self.x):
+            solver = self._started(slope, begin, float(points[-1]))
         while solver.status == "running":
             message = solver.step()
             if solver.status == "failed" or not np.all(np.isfinite(solver.y)):
@@ -252,6 +265,7 @@ class Hybrid:
                 reached, states = self._instant(solver, distance)
                 changes = True
             self._record_until(solver, points, reached)
+            self._note_late(solver, reached, last)
             if changes:
                 distance(reached, states)
                 self._events.append(Event(float(reached), decisions.nearest))
@@ -264,7 +278,8 @@ class Hybrid:
         from scipy import integrate  # slow to load
 
         own = self._solver
-        more = {} if math.isinf(own.longest_step) else {"max_step": own.longest_step}
+        longest = min(own.longest_step, self._implicit.longest_step or math.inf)
+        more = {} if math.isinf(longest) else {"max_step": longest}
         method = getattr(integrate, own.method)
         return method(slope, begin, self.x, end, rtol=own.relative, atol=own.absolute, **more)
 
@@ -283,6 +298,15 @@ class Hybrid:
             else:
                 before = middle
         return after, between(after)
+
+    def _note_late(self, solver: Any, reached: float, last: float) -> None:
+        """The inputs of late signals in the solver's last step."""
+        shares = self._implicit.shares()
+        between = solver.dense_output() if shares else None
+        for share in shares:
+            time = solver.t_old + share * (reached - solver.t_old)
+            states = np.array(between(time)) if between else self.x
+            self._implicit.note(self._memory, self._put(states, min(time, last)))
 
     def _record_until(self, solver: Any, points: Floats, reached: float) -> None:
         own = points[(points > solver.t_old) & (points <= reached)]

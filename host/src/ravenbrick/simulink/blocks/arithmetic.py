@@ -18,7 +18,9 @@ from ravenbrick.model import (
     Saturation,
 )
 from ravenbrick.simulink.builder import Builder
+from ravenbrick.simulink.matlab.arrays import Arrays, array_of
 from ravenbrick.simulink.numbers import matrix, value_of
+from ravenbrick.simulink.shapes import as_matrix
 from ravenbrick.simulink.signals import Bus, Wire, plain, size_of
 
 __all__ = ["ARITHMETIC"]
@@ -55,9 +57,14 @@ def _sum(b: Builder) -> None:
 def _product(b: Builder) -> None:
     text = b.dialog().text("Inputs", "2").replace(" ", "")
     signs = "*" * int(text) if text.isdigit() else text or "**"
-    if b.dialog().text("Multiplication").startswith("Matrix") and _has_matrix(b):
-        _matrix_product(b, signs)
-        return
+    if b.dialog().text("Multiplication").startswith("Matrix"):
+        sizes = [size_of(b.input_shape(port)) for port in range(1, b.ports() + 1)]
+        if "/" in signs and max(sizes) > 1:
+            _matrix_quotient(b, signs)
+            return
+        if sum(size > 1 for size in sizes) > 1:
+            _matrix_product(b, signs)
+            return
     if len(signs) == 1:
         wires = b.inputs()
         product = b.product(*wires)
@@ -75,15 +82,20 @@ def _product(b: Builder) -> None:
     b.out(found)
 
 
-def _has_matrix(b: Builder) -> bool:
-    sizes = [size_of(b.input_shape(port)) for port in range(1, b.ports() + 1)]
-    return sum(size > 1 for size in sizes) > 1
+def _matrix_quotient(b: Builder, signs: str) -> None:
+    """Matrices from left to right, the inverse of those with a `/`."""
+    own, total = Arrays(b), None
+    for port, sign in enumerate(signs, 1):
+        rows, columns = as_matrix(b.input_shape(port))
+        one = array_of(list(b.inputs(port)), rows, columns)
+        one = own.inverse(one) if sign == "/" else one
+        total = one if total is None else own.infix("*", total, one)
+    assert total is not None
+    b.out([b.element(element) for element in total.ravel(order="F")])
 
 
 def _matrix_product(b: Builder, signs: str) -> None:
     """Matrices stored by columns, from left to right."""
-    if "/" in signs:
-        raise ValueError("the inverse of a matrix that is a signal")
     total, (rows, inner) = b.inputs(1), _as_matrix(b, 1, first=True)
     for port in range(2, len(signs) + 1):
         wires, (height, columns) = b.inputs(port), _as_matrix(b, port, first=False)
@@ -119,7 +131,7 @@ def _dot_product(b: Builder) -> None:
 
 def _gain(b: Builder) -> None:
     d = b.dialog()
-    if d.text("Multiplication", "Element").startswith("Matrix") and not d.variables.guess:
+    if d.text("Multiplication", "Element").startswith("Matrix") and not d.guesses("Gain"):
         _matrix_gain(b)
         return
     wires = b.inputs(1, b.width("Gain"))

@@ -18,9 +18,10 @@ from ravenbrick.simulink.builder import Builder
 from ravenbrick.simulink.libraries import tight
 from ravenbrick.simulink.signals import Wire
 
-__all__ = ["CLOCKS", "library_maker", "library_name", "own_library"]
+__all__ = ["CLOCKS", "library_maker", "library_name", "only_checks", "own_library"]
 
 _BITS = 24
+_OWN = ("simulink", "simulink_extras", "simulink_need_slupdate", "slpidlib", "pid_lib", "cstblocks")
 
 
 def _three(b: Builder) -> list[tuple[Wire, ...]]:
@@ -210,7 +211,12 @@ CLOCKS: Mapping[str, Callable[[Builder], None]] = {"Clock": _clock, "DigitalCloc
 
 def own_library(source: str) -> bool:
     """Whether a link leads into Simulink's own library of mathematical blocks."""
-    return source.partition("/")[0] in ("simulink", "simulink_extras", "simulink_need_slupdate")
+    return source.partition("/")[0] in _OWN
+
+
+def only_checks(source: str) -> bool:
+    """Whether a link leads to a block that only checks signals or the linearised model."""
+    return tight(source.split("/")[1] if "/" in source else "") == "Model Verification"
 
 
 def library_maker(source: str) -> Callable[[Builder], None] | None:

@@ -203,19 +203,26 @@ def _pid(b: Builder) -> None:
     d = b.dialog()
     kind, ideal = d.text("Controller", "PID"), d.text("Form", "Parallel") == "Ideal"
     outside = d.text("SatLimitsSource", "internal") == "external"
-    if b.ports() > (3 if outside else 1):
+    two = "2DOF" in d.text("SourceBlock") or "2dof" in d.text("SourceType")
+    if b.ports() > (3 if outside and not two else 2 if two else 1):
         raise ValueError("a PID controller with a reset, tracking or gains from outside")
-    error = b.inputs()[0]
-    product = b.scaled(b.tunable("P", "1"), error, "_P") if "P" in kind or ideal else error
-    base = product if ideal else error
+    errors = _errors(b) if two else [b.inputs()[0]] * 3
+    gain = b.tunable("P", "1") if "P" in kind or ideal else 1.0
+    product = b.scaled(gain, errors[0], "_P")
     terms: list[Wire] = [product] if "P" in kind else []
+
+    def base(place: int) -> Wire:
+        if not ideal:
+            return errors[place]
+        return b.scaled(gain, errors[place], "_P") if two else product
+
     if "D" in kind:
-        terms.append(_rate(b, b.scaled(b.tunable("D", "0"), base, "_D")))
+        terms.append(_rate(b, b.scaled(b.tunable("D", "0"), base(2), "_D")))
     if "I" not in kind:
         b.out([_pid_limited(b, b.sum(*terms))])
         return
     step = 1.0 if b.solved else b.sample_time
-    drive = b.scaled(step, b.scaled(b.tunable("I", "1"), base, "_I"))
+    drive = b.scaled(step, b.scaled(b.tunable("I", "1"), base(1), "_I"))
     first = d.number("InitialConditionForIntegrator", "0")
     state = b.integral(initial=first) if b.solved else b.add(UnitDelay("B", initial=first))
     rule = _pid_method(b, "IntegratorMethod")
@@ -237,6 +244,14 @@ def _pid(b: Builder) -> None:
         drive = b.choose(wound, b.constant(0.0), drive)
     state.inputs = [drive if b.solved else b.sum(state, drive)]
     b.out([output])
+
+
+def _errors(b: Builder) -> list[Wire]:
+    """Set-point with its weight less the measured value: for P, I and D."""
+    d = b.dialog()
+    target, measured = b.inputs(1)[0], b.inputs(2)[0]
+    weights = (d.number("b", "1"), 1.0, d.number("c", "1"))
+    return [b.sum(b.scaled(weight, target, "_weight"), measured, signs="+-") for weight in weights]
 
 
 def _pid_limited(b: Builder, total: Wire) -> Wire:
@@ -292,5 +307,7 @@ MEMORY: Mapping[str, Callable[[Builder], None]] = {
     "simulink/Integer Delay": _delay,
     "simulink/Discrete Derivative": _derivative,
     "simulink/PID Controller": _pid,
+    "simulink/PID Controller (2DOF)": _pid,
     "simulink/Discrete PID Controller": _pid,
+    "simulink/Discrete PID Controller (2DOF)": _pid,
 }

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 
 from ravenbrick.simulink.builder import Builder
 from ravenbrick.simulink.numbers import value_of
-from ravenbrick.simulink.shapes import demux_sizes, selected
+from ravenbrick.simulink.shapes import as_matrix, chosen_places, demux_sizes, selected
 from ravenbrick.simulink.signals import Bus, Wire, plain, size_of
 
 __all__ = ["ROUTING"]
@@ -89,7 +89,11 @@ def pick(b: Builder, place: Wire, choices: list[list[Wire]], first: int) -> list
 def _selector(b: Builder) -> None:
     d = b.dialog()
     if d.text("NumberOfDimensions", "1") != "1":
-        raise ValueError("a selection of rows and columns of a matrix")
+        sizes = as_matrix(b.input_shape())
+        rows, columns = chosen_places(b.site, sizes)
+        every = b.inputs(1, sizes[0] * sizes[1])
+        b.out([every[column * sizes[0] + row] for column in columns for row in rows])
+        return
     wires, option = b.inputs(), d.text("IndexOptions", "Index vector (dialog)")
     first = 0 if d.text("IndexMode", "One-based") == "Zero-based" else 1
     if option == "Select all":

@@ -38,6 +38,7 @@ from ravenbrick.model import (
 )
 from ravenbrick.model.blocks import time_functions
 from ravenbrick.model.blocks.continuous import ContinuousStateSpace
+from ravenbrick.model.blocks.implicit import LateSignal
 from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.model.lazy import control
 from ravenbrick.simulink.blocks.arithmetic import ARITHMETIC
@@ -51,14 +52,15 @@ from ravenbrick.simulink.blocks.programs import PROGRAMS
 from ravenbrick.simulink.blocks.routing import ROUTING
 from ravenbrick.simulink.blocks.sources import SOURCES
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Dialog
+from ravenbrick.simulink.matlab.linear_systems import system_of
 from ravenbrick.simulink.numbers import matrix, value_of
 from ravenbrick.simulink.signals import Tap, Wire
 
-__all__ = ["IGNORED", "IN_TIME", "MAKERS", "STRUCTURE"]
+__all__ = ["IGNORED", "IN_TIME", "LTI", "MAKERS", "STRUCTURE"]
 
 IGNORED = frozenset(
     """Scope Display ToWorkspace ToFile Terminator XYGraph FloatingScope Annotation
-    DataTypeDuplicate DataTypePropagation MessageViewer SpectrumAnalyzer
+    Assertion DataTypeDuplicate DataTypePropagation MessageViewer SpectrumAnalyzer
     LampBlock GaugeBlock DisplayBlock EditField RadioButtonGroup SliderBlock SliderSwitchBlock
     KnobBlock RockerSwitchBlock ToggleSwitchBlock RotarySwitchBlock PushButtonBlock Checkbox
     ComboBox CircularGaugeBlock LinearGaugeBlock SemiCircularGaugeBlock QuarterGaugeBlock
@@ -114,6 +116,8 @@ def _transfer_function(d: Dialog) -> Block:
 
 def _sampled(d: Dialog, system: control.TransferFunction) -> Block:
     """A continuous block at the diagram's rate, or as it is in a simulation."""
+    if len(np.trim_zeros(system.den[0][0], "f")) == 1:
+        return Gain(d.name, gain=float(system.num[0][0][-1] / system.den[0][0][-1]))
     if d.form is ContinuousForm.SOLVED:
         return ContinuousStateSpace.of(d.name, system)
     if d.form is ContinuousForm.HELD:
@@ -140,7 +144,7 @@ def _transfer_functions(b: Builder) -> None:
     """Of one number or element by element; with a matrix of numerators one output for each row."""
     d = b.dialog("B")
     rows = value_of(d.text("Numerator", "[1]") or "[1]", d.variables)
-    if len(rows) == 1 or (1 in rows.shape and d.variables.guess):
+    if len(rows) == 1 or (1 in rows.shape and d.guesses("Numerator")):
         _each(_transfer_function)(b)
         return
     bottom = np.trim_zeros(np.array(d.numbers("Denominator", "[1 1]")), "f")
@@ -155,9 +159,30 @@ def _transfer_functions(b: Builder) -> None:
                 (top[:, 1:] - direct * bottom[1:]).tolist(), direct.tolist()], ())  # fmt: skip
 
 
-def _linear(b: Builder, parts: list[list[list[float]]], start: tuple[float, ...]) -> None:
+def _lti_system(b: Builder) -> None:
+    """A system of the workspace, or as an expression such as `tf(1, [1 1])`."""
+    d = b.dialog("B")
+    system = system_of(d.text("sys", "1"), d.variables)
+    start = d.numbers("IC", "[]") if d.text("IC", "[]") != "[]" else ()
+    if isinstance(system, np.ndarray):
+        if system.size != 1:
+            raise ValueError("a matrix in place of a system")
+        b.out([b.scaled_block(float(system[0, 0]), wire) for wire in b.inputs()])
+    elif isinstance(system, control.TransferFunction) and not start:
+        sampled = control.isdtime(system, strict=True)
+        block = transfer_function_block("B", system) if sampled else _sampled(d, system)
+        b.out([b.add(block, wire) for wire in b.inputs()])
+    else:
+        whole = control.ss(system)
+        parts = [part.tolist() for part in (whole.A, whole.B, whole.C, whole.D)]
+        _linear(b, parts, start, discrete=control.isdtime(system, strict=True))
+
+
+def _linear(
+    b: Builder, parts: list[list[list[float]]], start: tuple[float, ...], *, discrete: bool = False
+) -> None:
     """A linear system with its matrices A, B, C, D."""
-    discrete = b.site.kind == "DiscreteStateSpace"
+    discrete = discrete or b.site.kind == "DiscreteStateSpace"
     system = control.ss(*parts, b.sample_time) if discrete else control.ss(*parts)
     if not discrete and b.form is ContinuousForm.SOLVED:
         block: Block = ContinuousStateSpace.of("B", system, start)
@@ -296,8 +321,11 @@ def _in_time(maker: Callable[[Dialog], TimeFunction]) -> Callable[[Builder], Non
     return make
 
 
-def _no_delay_in_time(b: Builder) -> None:
-    raise ValueError("a delay in continuous time; use a transfer function, such as a Pade form")
+def _late(d: Dialog) -> Block:
+    delay, initial = d.number("DelayTime", "1"), d.number("InitialOutput", "0")
+    if delay <= 0:
+        return Gain(d.name, gain=1.0)
+    return LateSignal(d.name, initial=initial, delay=delay)
 
 
 def _derivative_in_time(b: Builder) -> None:
@@ -401,6 +429,7 @@ def _initial_condition(b: Builder) -> None:
            for e, wire in enumerate(wires)])  # fmt: skip
 
 
+LTI = "cstblocks/LTI System"
 MAKERS: Mapping[str, Callable[[Builder], None]] = {
     **{kind: _each(maker) for kind, maker in _SINGLE.items()},
     **ROUTING,
@@ -418,6 +447,7 @@ MAKERS: Mapping[str, Callable[[Builder], None]] = {
     "DiscretePulseGenerator": _pulse,
     "DiscreteStateSpace": _state_space,
     "InitialCondition": _initial_condition,
+    LTI: _lti_system,
     "Sin": _sine,
     "StateSpace": _state_space,
     "TransferFcn": _transfer_functions,
@@ -430,5 +460,5 @@ IN_TIME: Mapping[str, Callable[[Builder], None]] = {
     "DiscretePulseGenerator": _in_time(_pulse_in_time),
     "Sin": _in_time(_sine_in_time),
     "Step": _in_time(_step_in_time),
-    "TransportDelay": _no_delay_in_time,
+    "TransportDelay": _each(_late),
 }

@@ -16,7 +16,7 @@ from ravenbrick.model.lazy import control
 from ravenbrick.simulink.expressions import Apply, Infix, Name, Prefix, Tree, parse
 from ravenbrick.simulink.numbers import Workspace, evaluate
 
-__all__ = ["Systems"]
+__all__ = ["Systems", "is_lti", "lti_rate", "system_of"]
 
 Results = tuple[Any, ...]
 _METHODS = ("zoh", "foh", "tustin", "matched")
@@ -28,6 +28,20 @@ _FIELDS = ("Ts", *"ABCDabcd", *_PARTS[0], *_PARTS[1])
 _OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
 }  # fmt: skip
+
+
+def is_lti(source: str) -> bool:
+    """Whether a link leads to the block of a linear system."""
+    return source.replace("\n", " ") == "cstblocks/LTI System"
+
+
+def lti_rate(text: str, variables: Workspace) -> float | None:
+    """The sample time (s) of a linear system; None for a continuous one."""
+    try:
+        system = system_of(text, variables.known())
+    except ValueError:
+        return None
+    return float(system.dt) if _is_system(system) and control.isdtime(system, strict=True) else None
 
 
 def _is_system(value: Any) -> bool:
@@ -112,6 +126,29 @@ def _placed(solve: str) -> Callable[..., Results]:
     return lambda a, b, poles: (np.atleast_2d(getattr(control, solve)(a, b, np.ravel(poles))),)
 
 
+def _riccati(solve: str) -> Callable[..., Results]:
+    """Solution, gain and poles of A, B, Q, R, S, E, G; `[]` is left out, and so may the last be."""
+
+    def make(*given: Any) -> Results:
+        if len(given) > 6 and np.any(given[6]):
+            raise ValueError("a Riccati equation with the matrix G")
+        order = len(given[0])
+        found = [one if np.size(one) else None for one in given[:6]]
+        found += [None] * (6 - len(found))
+        if found[4] is not None and not np.any(found[4]):  # 0 counts for any size
+            found[4] = None
+        r = np.eye(given[1].shape[1]) if found[3] is None else found[3]
+        more = []
+        if found[4] is not None or found[5] is not None:
+            none = np.zeros((order, given[1].shape[1]))
+            more = [none if found[4] is None else found[4],
+                    np.eye(order) if found[5] is None else found[5]]  # fmt: skip
+        solution, poles, gain = getattr(control, solve)(*found[:3], r, *more)
+        return solution, gain, poles
+
+    return make
+
+
 _FUNCTIONS: dict[str, Callable[..., Results]] = {
     "ss": _state_space, "tf": _transfer_function, "c2d": _sampled,
     "ssdata": _matrices, "tfdata": lambda system, *_: _polynomials(system),
@@ -120,6 +157,16 @@ _FUNCTIONS: dict[str, Callable[..., Results]] = {
     "dlqe": lambda *given: tuple(control.dlqe(*given)),
     "place": _placed("place"), "acker": _placed("place_acker"),
     "feedback": lambda *given: (control.feedback(*given),),
+    "series": lambda one, two: (two * one,), "parallel": lambda one, two: (one + two,),
+    "zpk": lambda zeros, poles, gain, *rate: _transfer_function(
+        _number(gain) * np.poly(np.ravel(zeros))[np.newaxis]
+        if np.size(zeros) else gain, np.poly(np.ravel(poles))[np.newaxis], *rate),
+    "care": lambda *given: tuple(control.care(*given)),
+    "icare": _riccati("care"),
+    "dare": lambda *given: tuple(control.dare(*given)),
+    "idare": _riccati("dare"),
+    "lyap": lambda *given: (control.lyap(*given),),
+    "dlyap": lambda *given: (control.dlyap(*given),),
     "ctrb": lambda a, b: (control.ctrb(a, b),), "obsv": lambda a, c: (control.obsv(a, c),),
 }  # fmt: skip
 
@@ -138,6 +185,8 @@ class Systems:
         its fields: `G.A`, `G.num`, `G.Ts`.
         """
         values = self._value(text)
+        if len(names) == 2 and text.lstrip().startswith("size") and np.size(values[0]) == 2:
+            values = tuple(np.array([[one]]) for one in np.ravel(values[0]))
         if len(values) < len(names):
             raise ValueError(f"{len(names)} results of an expression that has {len(values)}")
         self.forget(names)
@@ -157,6 +206,14 @@ class Systems:
             if self._known.pop(name, None) is not None:
                 for field in _FIELDS:
                     self._found.pop(f"{name}.{field}", None)
+
+    def know(self, name: str, system: Any) -> None:
+        """A system by its name."""
+        self._known[name] = system
+
+    def value(self, text: str) -> Any:
+        """The first result of an expression."""
+        return self._value(text)[0]
 
     def _value(self, text: str) -> Results:
         """All results of an expression."""
@@ -197,6 +254,32 @@ class Systems:
                     return (_combined("*", np.array([[-1.0 if sign == "-" else 1.0]]), value),)
                 return (evaluate(Prefix(sign, Name("one")), {"one": value}),)
         return (evaluate(tree, self._found),)
+
+
+def system_of(text: str, variables: Workspace) -> Any:
+    """The linear system, or matrix, that an expression stands for.
+
+    Variables that are systems are known by their fields. Raises `ValueError` for what is not
+    understood.
+    """
+    own = Systems(Workspace(variables, guess=variables.guess))
+    for name in set(re.findall(r"[A-Za-z]\w*", text)):
+        system = _from_fields(name, variables)
+        if system is not None:
+            own.know(name, system)
+    return own.value(text)
+
+
+def _from_fields(name: str, variables: Workspace) -> Any:
+    given = dict.keys(variables)
+    rate = [_number(variables[f"{name}.Ts"])] if f"{name}.Ts" in given else []
+    sampled = [one for one in rate if one > 0]
+    if f"{name}.A" in given:
+        return control.ss(*(variables[f"{name}.{letter}"] for letter in "ABCD"), *sampled)
+    if f"{name}.num" in given:
+        rows = (np.ravel(variables[f"{name}.{part}"]) for part in ("num", "den"))
+        return control.tf(*rows, *sampled)
+    return None
 
 
 def _combined(sign: str, left: Any, right: Any) -> Any:
