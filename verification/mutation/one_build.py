@@ -4,17 +4,16 @@
 
 The body of such a function stands once for each of its mutants and once unchanged. Building a crate
 takes many times as long as its tests, so that a campaign with one build for all takes a fraction.
-What a run cannot choose is built by itself: constants, types, `const fn`, and what the compiler
-refuses.
+What a run cannot choose is built by itself: constants, the functions that they call, types, and
+what the compiler refuses.
 """
 
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from verification.mutation.mutants import Mutant, code_of
 from verification.mutation.rooms import Room
@@ -33,18 +32,31 @@ pub(crate) fn chosen_mutant(number: u32) -> bool {{
     *CHOSEN == Some(number)
 }}
 """
-# A function that a run may choose in; none in constants, and closures that are returned differ.
-FUNCTION = re.compile(r"^([^\n]*)\bfn \w+", re.MULTILINE)
-FIXED = re.compile(r"\b(?:const|async|extern)\b")
+FUNCTION = re.compile(r"^([^\n]*)\bfn (\w+)", re.MULTILINE)
+# A constant chooses nothing, so that a function that chooses is none of a constant's.
+CONSTANT = re.compile(r"\bconst (?=(?:unsafe )?$)")
 ERROR = re.compile(r"^error\b[^\n]*\n\s*--> (\S+?):(\d+):", re.MULTILINE)
+OF_CONSTANT = re.compile(r"^error\[E0015\]: cannot call non-const [^\n`]*`([^`\n]+)`", re.MULTILINE)
+GENERICS = re.compile(r"::<.*?>(?=::|$)")
+
+
+@dataclass(frozen=True)
+class Function:
+    """The place of its `const `, if it has one, and its outer brackets."""
+
+    name: str
+    constant: tuple[int, int]
+    start: int
+    end: int
 
 
 @dataclass(frozen=True)
 class Combined:
-    """A file with all of its mutants, and the lines from and to which each has its body."""
+    """A file with all of its mutants; of each the lines of its body and the function's name."""
 
     text: str
     lines: dict[int, tuple[int, int]]
+    names: dict[int, str]
 
 
 def _end(code: str, start: int) -> int:
@@ -57,48 +69,57 @@ def _end(code: str, start: int) -> int:
     return len(code)
 
 
-def _bodies(code: str) -> list[tuple[int, int]]:
-    """Opening and closing bracket of each outermost function that may choose."""
-    bodies: list[tuple[int, int]] = []
+def _functions(code: str) -> list[Function]:
+    """The outermost ones; closures that are returned differ in type, so that none may choose."""
+    functions: list[Function] = []
     for found in FUNCTION.finditer(code):
-        if bodies and found.start() < bodies[-1][1]:
+        if functions and found.start() < functions[-1].end:
             continue
         depth, start = 0, found.end()
         while start < len(code) and (depth or code[start] not in "{;"):
             depth += (code[start] in "([") - (code[start] in ")]")
             start += 1
-        between = code[found.end() : start]
-        if code[start : start + 1] == "{":
-            fixed = FIXED.search(found[1]) or "-> impl" in between
-            bodies.append((start, start if fixed else _end(code, start)))
-    return bodies
+        if code[start : start + 1] == "{" and "-> impl" not in code[found.end() : start]:
+            constant = CONSTANT.search(found[1])
+            at = found.start()
+            span = (at + constant.start(), at + constant.end()) if constant else (start, start)
+            functions.append(Function(found[2], span, start, _end(code, start)))
+    return functions
 
 
 def combined(file: str, source: str, mutants: dict[int, Mutant]) -> Combined:
     """A source with those of the numbered mutants of its file that a run can choose."""
-    bodies = _bodies(code_of(file, source))
-    inside: dict[tuple[int, int], list[tuple[int, Mutant]]] = defaultdict(list)
-    for number, mutant in mutants.items():
-        for body in bodies:
-            if mutant.file == file and body[0] < mutant.start and mutant.end <= body[1]:
-                inside[body].append((number, mutant))
-    text, at, lines = "", 0, {}
-    for (start, end), own in sorted(inside.items()):
-        text += source[at:start] + "{"
-        for number, mutant in own:
-            first = text.count("\n") + 1
+    inside: dict[Function, dict[int, Mutant]] = {
+        function: {
+            number: mutant
+            for number, mutant in mutants.items()
+            if mutant.file == file and function.start < mutant.start < function.end
+        }
+        for function in _functions(code_of(file, source))
+    }
+    made = Combined("", {}, {})
+    text, at = "", 0
+    for function, own in inside.items():
+        if not own:
+            continue
+        (first, last), start, end = function.constant, function.start, function.end + 1
+        text += source[at:first] + source[last:start] + "{"
+        for number, mutant in own.items():
+            line = text.count("\n") + 1
             changed = mutant.applied(source)
-            block = changed[start : end + 1 + len(changed) - len(source)]
+            block = changed[start : end + len(changed) - len(source)]
             text += f"if crate::chosen_mutant({number}) {block} else "
-            lines[number] = (first, text.count("\n") + 1)
-        text += source[start : end + 1] + "}"
-        at = end + 1
-    return Combined(text + source[at:], lines)
+            made.lines[number] = (line, text.count("\n") + 1)
+            made.names[number] = function.name
+        text += source[start:end] + "}"
+        at = end
+    return replace(made, text=text + source[at:])
 
 
 def refused_in(log: str, files: dict[str, Combined]) -> set[int]:
-    """The mutants in whose bodies the compiler reports an error."""
-    refused: set[int] = set()
+    """The mutants in whose bodies the compiler reports an error, or that a constant would call."""
+    calls = {re.findall(r"\w+", GENERICS.sub("", path))[-1] for path in OF_CONSTANT.findall(log)}
+    refused = {n for made in files.values() for n, name in made.names.items() if name in calls}
     for path, line in ERROR.findall(log):
         for file, made in files.items():
             if file.endswith(path):

@@ -24,32 +24,40 @@ fn below(value: u32) -> bool {
     value + 1 < LIMIT && !text.is_empty()
 }
 
-const fn fixed(value: u32) -> u32 {
+const fn more(value: u32) -> u32 {
     value + 2
 }
 
+const fn fixed() -> [u32; 1 + 1] {
+    [more(0), 8]
+}
+
 fn main() {
-    print!("{} {}", below(2), fixed(5));
+    print!("{} {} {:?}", below(2), more(5), fixed());
 }
 """
 
 
 def test_a_function_holds_its_mutants_and_what_is_fixed_stays() -> None:
-    """By hand: constants and `const fn` choose nothing; lines of errors tell the mutant."""
+    """By hand: constants and types choose nothing; lines of errors tell the mutant."""
     numbered = dict(enumerate(mutants_of("a.rs", SOURCE), 1))
     made = combined("a.rs", SOURCE, numbered)
-    assert set(made.lines) == {n for n, m in numbered.items() if m.line in (5, 13)}
+    inside = {n: m.line for n, m in numbered.items() if m.line in (5, 9, 13, 17)}
+    assert set(made.lines) == set(inside)
+    assert "\nfn more(" in made.text and "\nfn fixed() -> [u32; 1 + 1] {" in made.text
     lines = made.text.splitlines()
     for number, (first, last) in made.lines.items():
         held = "\n".join(lines[first - 1 : last])
         assert numbered[number].key.split(" => ")[1] in held
-    assert lines[0] == "const LIMIT: u32 = 4;" and "    value + 2" in lines
+    assert lines[0] == "const LIMIT: u32 = 4;"
     number, (first, last) = next(iter(made.lines.items()))
     report = "{}[E1]: what\n  --> crates/a.rs:{}:7\n"
     files = {"virtual-brick/crates/a.rs": made}
     assert refused_in(report.format("error", first + 1), files) == {number}
     assert refused_in(report.format("warning", first + 1), files) == set()
     assert refused_in(report.format("error", 1), files) == set()
+    called = "error[E0015]: cannot call non-const method `A::<u8>::more::<B<u8>>` in constants\n"
+    assert {inside[n] for n in refused_in(called, files)} == {9}
 
 
 @pytest.mark.skipif(shutil.which("rustc") is None, reason="needs rustc")
@@ -67,9 +75,9 @@ def test_a_chosen_mutant_does_as_the_one_that_is_built_by_itself(tmp_path: Path)
         run = subprocess.run([program], env=environment, check=True, capture_output=True)
         return run.stdout.decode()
 
-    numbered = dict(enumerate((m for m in mutants_of("a.rs", SOURCE) if m.line == 5), 1))
+    numbered = dict(enumerate((m for m in mutants_of("a.rs", SOURCE) if m.line in (5, 13)), 1))
     together = built("together", combined("a.rs", SOURCE, numbered).text + CHOICE)
-    assert printed(together) == "true 7" and len(numbered) > 3
+    assert printed(together) == "true 7 [2, 8]" and len(numbered) > 3
     for number, mutant in numbered.items():
         alone = built("alone", mutant.applied(SOURCE))
         assert printed(together, number) == printed(alone), mutant.key
