@@ -22,6 +22,7 @@ import time
 import tomllib
 from collections.abc import Iterator
 from contextlib import ExitStack
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ from ravenbrick.atomic_write import atomic_write
 from tools.docs import tables
 from verification.commands import Counts, NoResultError, NotRunError
 from verification.mutation.mutants import Mutant, ranked
+from verification.mutation.one_build import one_build
 from verification.mutation.rooms import ROOMS, Room
 from verification.mutation.scratch import Scratch
 from verification.support.paths import ROOT
@@ -94,8 +96,13 @@ class Judge:
         self.room, self.scratch, self.near = room, scratch, near
         for file in room.files(scratch.tree, room.sources):
             file.touch()  # an earlier run may have left products of a mutant
-        self._unchanged_s(room.build)
         self._limits_s: dict[str, float] = {}
+
+    def _limit_s(self, test: str) -> float:
+        if test not in self._limits_s:
+            self._unchanged_s(self.room.build)
+            self._limits_s[test] = 30 + 5 * self._unchanged_s(test)
+        return self._limits_s[test]
 
     def _unchanged_s(self, command: str) -> float:
         passed, needed_s = self.scratch.run(command, LIMIT_S)
@@ -108,39 +115,57 @@ class Judge:
         """Of one mutant; the file is as before afterwards."""
         file = self.scratch.tree / mutant.file
         test = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
-        if test not in self._limits_s:
-            self._limits_s[test] = 30 + 5 * self._unchanged_s(test)
+        limit_s = self._limit_s(test)
         source = file.read_text(encoding="utf-8")
         file.write_text(mutant.applied(source), encoding="utf-8")
         try:
             if not self.scratch.run(self.room.build, LIMIT_S)[0]:
                 return "refused"
-            passed, _ = self.scratch.run(test, self._limits_s[test])
+            passed, _ = self.scratch.run(test, limit_s)
             return "survived" if passed else "killed"
         finally:
             file.write_text(source, encoding="utf-8")
+
+    def in_one_build(self, mutants: list[Mutant], end: float) -> Iterator[tuple[Mutant, str]]:
+        """Outcomes of those that a run can choose."""
+        with one_build(self.room, self.scratch, mutants, LIMIT_S) as tests:
+            for mutant, test in tests.items():
+                limit_s = self._limit_s(self.room.test)
+                if time.monotonic() > end:
+                    return
+                passed, _ = self.scratch.run(test, limit_s)
+                yield mutant, "survived" if passed else "killed"
 
 
 def judged(
     room: Room, sample: int, seed: int, end: float, near: int = 0
 ) -> Iterator[tuple[Mutant, str]]:
     """The first mutants in the seed's order that a compiler takes, each with its outcome."""
-    outcomes, found = Outcomes(room), 0
+    outcomes, found, judge = Outcomes(room), 0, None
     waiting = ranked(room.mutants(ROOT), seed)
+
+    def known(judge: Judge, mutant: Mutant, outcome: str) -> str:
+        if outcome != "survived" or not near:
+            outcomes.keep(mutant, outcome)
+        place = f"{mutant.line}: {mutant.key} ({judge.scratch.said()})"
+        print(f"{room.name} {outcome} {place}", file=sys.stderr, flush=True)
+        return outcome
+
     with ExitStack() as stack:
-        judge = None
         for mutant in waiting:
             outcome = outcomes.of(mutant)
+            if outcome is None and judge is None and time.monotonic() <= end:
+                judge = Judge(room, stack.enter_context(Scratch(room.name)), near)
+                if room.one_build:
+                    counted = (other for other in waiting if outcomes.of(other) != "refused")
+                    unknown = [m for m in islice(counted, sample) if outcomes.of(m) is None]
+                    for other, result in judge.in_one_build(unknown, end):
+                        known(judge, other, result)
+                    outcome = outcomes.of(mutant)
             if outcome is None:
-                if time.monotonic() > end:
+                if judge is None or time.monotonic() > end:
                     return
-                judge = judge or Judge(room, stack.enter_context(Scratch(room.name)), near)
-                outcome = judge.outcome(mutant)
-                if outcome != "survived" or not near:
-                    outcomes.keep(mutant, outcome)
-                place = f"{mutant.line}: {mutant.key} ({judge.scratch.said()})"
-                print(f"{room.name} {found + 1}/{sample} {outcome} {place}",
-                      file=sys.stderr, flush=True)  # fmt: skip
+                outcome = known(judge, mutant, judge.outcome(mutant))
             if outcome != "refused":
                 found += 1
                 yield mutant, outcome

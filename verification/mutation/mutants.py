@@ -14,11 +14,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["LANGUAGES", "Mutant", "mutants_of", "ranked"]
+__all__ = ["LANGUAGES", "Mutant", "code_of", "mutants_of", "ranked"]
 
 # What is no code: comments, strings, attributes.
 NO_CODE = {
-    "rust": r"#\[cfg\(test\)\]\s+mod \w+ \{.*|\bd?e?b?u?g?_?assert\w*!\(.*?\);"
+    "rust": r"#\[cfg\(test\)\]\s+(?:#\[[^\n]*\]\s+)*mod \w+ \{.*|\bd?e?b?u?g?_?assert\w*!\(.*?\);"
     r'|//[^\n]*|/\*.*?\*/|b?r?"(?:\\.|[^"\\])*"|\'(?:\\[^\']+|[^\'\\\n])\'|#!?\[[^\n]*\]',
     "ada": r'--[^\n]*|"(?:""|[^"\n])*"|\'[^\n]\'|\bpragma\b[^;]*;',
     "python": r'#[^\n]*|[rbf]{0,2}(?:"""(?:\\.|.)*?"""|"(?:\\.|[^"\\\n])*")|\bassert [^\n]*'
@@ -117,10 +117,15 @@ def _places(code: str, language: str) -> Iterator[tuple[int, int, str]]:
                 yield (*found.span(1), text)
 
 
+def code_of(file: str, source: str) -> str:
+    """A source text without comments, strings and unit tests: blanks in their place."""
+    return re.sub(NO_CODE[LANGUAGES[Path(file).suffix]], _blank, source, flags=re.DOTALL)
+
+
 def mutants_of(file: str, source: str) -> list[Mutant]:
     """All mutants of a file; of those that look the same, line for line, the first."""
     language = LANGUAGES[Path(file).suffix]
-    code = re.sub(NO_CODE[language], _blank, source, flags=re.DOTALL)
+    code = code_of(file, source)
     found: dict[str, Mutant] = {}
     for start, end, template in sorted(_places(code, language)):
         text = template.replace("{}", source[start:end])

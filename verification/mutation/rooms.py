@@ -36,6 +36,7 @@ class Room:
     build: str
     test: str
     test_files: str = ""  # a command that takes files of tests as arguments
+    one_build: bool = False  # of a crate that serves many mutants
 
     def files(self, tree: Path, folder: str) -> list[Path]:
         """Every file below one of its folders, in a fixed order, but none that Python compiled."""
@@ -80,7 +81,7 @@ def _crate(name: str) -> Room:
     # The first test that fails ends the run.
     test = f"! grep -m 1 FAILED < <( ({command} || echo FAILED) 2>&1 | tee -a /dev/stderr)"
     # Unit tests stand among the sources.
-    return Room(name, f"{folder}/src", folder, f"{command} --no-run", test)
+    return Room(name, f"{folder}/src", folder, f"{command} --no-run", test, one_build=True)
 
 
 def _host(name: str) -> Room:

@@ -14,6 +14,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from types import TracebackType
 
@@ -61,6 +62,7 @@ class Scratch:
         self.folder = PLACE / room
         self.tree = self.folder / "tree"
         self.log = self.folder / "log.txt"
+        self.used_s = 0.0  # processor time of all commands
         self.wrapper = [
             *(bwrap, "--die-with-parent", "--unshare-pid", "--unshare-net", "--cap-add", "ALL"),
             *("--ro-bind", "/", "/", "--dev", "/dev", "--proc", "/proc", "--tmpfs", "/tmp"),
@@ -86,6 +88,8 @@ class Scratch:
     ) -> None:  # fmt: skip
         shutil.rmtree(self.tree, ignore_errors=True)
         self._lock.close()
+        name = self.folder.name
+        print(f"{name}: {self.used_s:.0f} s of processor time", file=sys.stderr, flush=True)
 
     def said(self) -> str:
         """The first failure in the last run's output, or its last line."""
@@ -121,5 +125,7 @@ class Scratch:
                 return False, limit_s
         if not times.is_file():
             return False, limit_s
-        used = re.findall(r"(\d+)m(\d+)[.,](\d+)s", times.read_text())
-        return done.returncode == 0, sum(60 * int(m) + float(f"{s}.{f}") for m, s, f in used)
+        parts = re.findall(r"(\d+)m(\d+)[.,](\d+)s", times.read_text())
+        used_s = sum(60 * int(m) + float(f"{s}.{f}") for m, s, f in parts)
+        self.used_s += used_s
+        return done.returncode == 0, used_s

@@ -105,6 +105,23 @@ fn a_page_is_left_as_far_as_it_was_erased_or_programmed() {
     }
 }
 
+/// Every cell has its own speed: which ones are reached is a draw for each page, always the same.
+#[test]
+fn pages_interrupted_at_the_same_cycle_differ_in_their_cells() {
+    let left = |number: u32| {
+        let mut chip = running_chip();
+        let page = 0x0010_0000 + 256 * number;
+        (0..64).for_each(|n| write(&mut chip, page + 4 * n, 0));
+        write(&mut chip, FCR, 0x5A00_0001 | number << 8);
+        let now = chip.now();
+        run_to(&mut chip, now + 4 * MILLISECOND);
+        set_supply(&mut chip, true);
+        chip.peek(page, 256).unwrap().to_vec()
+    };
+    assert_eq!(left(992), left(992));
+    assert_ne!(left(992), left(993));
+}
+
 #[test]
 fn a_finished_page_stays_and_a_low_supply_programs_nothing() {
     let mut chip = running_chip();

@@ -3,7 +3,7 @@
 //! Advanced interrupt controller and the path to the core.
 use crate::common::{chip_events, read, run_to, running_chip, write, TestChip, AIC, PIT, TC0, TWI};
 use arm7tdmi::bus::Bus;
-use at91sam7s::board::ChipEvent;
+use at91sam7s::board::{ChipEvent, PinLevels};
 
 registers! {
     AIC; IVR = 0x100, FVR = 0x104, ISR = 0x108, IPR = 0x10C, CISR = 0x114, IECR = 0x120,
@@ -203,14 +203,43 @@ fn a_level_source_stays_pending_until_its_cause_is_gone() {
     assert!(!chip.irq());
 }
 
+/// AT91SAM7S datasheet (6175M), peripheral identifiers and multiplexing of the pins: FIQ is PA19
+/// and source 0, IRQ0 is PA20 and source 30, IRQ1 is PA30 and source 31.
+#[test]
+fn each_external_interrupt_has_its_pin_and_its_source() {
+    const RISING: u32 = 3 << 5;
+    let external = 1 << 0 | 1 << 30 | 1 << 31;
+    let mut chip = running_chip();
+    for source in [0, 30, 31] {
+        enable(&mut chip, source, RISING);
+    }
+    write(&mut chip, ICCR, external);
+    for pin in 0..32 {
+        for level in [0, u32::MAX] {
+            let driven = 1 << pin;
+            chip.board_mut().levels = PinLevels { driven, level };
+            chip.internal(10);
+        }
+        let expected = match pin {
+            19 => 1 << 0,
+            20 => 1 << 30,
+            30 => 1 << 31,
+            _ => 0,
+        };
+        assert_eq!(read(&mut chip, IPR) & external, expected, "PA{pin}");
+        write(&mut chip, ICCR, external);
+    }
+}
+
 #[test]
 fn software_sets_and_clears_edge_sources_only() {
     let mut chip = running_chip();
     enable(&mut chip, 20, EDGE);
     enable(&mut chip, 21, 0);
+    enable(&mut chip, 22, EDGE);
     write(&mut chip, ISCR, 3 << 20);
     chip.internal(8);
-    assert_eq!(read(&mut chip, IPR) & 3 << 20, 1 << 20);
+    assert_eq!(read(&mut chip, IPR) & 7 << 20, 1 << 20);
     assert_eq!(read(&mut chip, CISR), 2);
     write(&mut chip, ICCR, 1 << 20);
     assert!(!chip.irq());

@@ -72,6 +72,17 @@ fn one_byte_takes_the_lead_and_eight_clock_periods() {
     assert_eq!(frames(&chip, start), [(12 + 8 * 24, LINE_2, 0xA5)]);
 }
 
+/// SPI_MR.FDIV of the datasheet: the interface runs at a 32nd of the master clock.
+#[test]
+fn the_clock_may_be_divided_by_32_first() {
+    let mut chip = select_by_peripheral();
+    write(&mut chip, MR, 0x000B_0019);
+    write(&mut chip, TDR, 0xA5);
+    let start = chip.now();
+    wait_for(&mut chip, SR, TXEMPTY);
+    assert_eq!(frames(&chip, start), [(32 * (12 + 8 * 24), LINE_2, 0xA5)]);
+}
+
 #[test]
 fn a_frame_carries_no_more_than_its_bits_of_the_data_register() {
     let mut chip = select_by_peripheral();

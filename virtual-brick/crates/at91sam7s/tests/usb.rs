@@ -271,6 +271,16 @@ fn signals_of_the_bus_are_flagged() {
     assert_eq!(read(&mut chip, FRM_NUM) & 0x7FF, 0x123);
 }
 
+/// UDP_ICR of the datasheet: a bit that is written as 0 has no effect.
+#[test]
+fn clearing_one_signal_of_the_bus_keeps_the_others() {
+    let mut chip = usb_chip();
+    host(&mut chip, UsbSignal::Resume);
+    host(&mut chip, UsbSignal::StartOfFrame { number: 1 });
+    write(&mut chip, ICR, 1 << 9);
+    assert_eq!(read(&mut chip, ISR), 1 << 11);
+}
+
 #[test]
 fn what_ends_the_rest_of_the_bus_or_finds_no_clock_wakes_it_up() {
     for (signal, flag) in [(UsbSignal::Resume, 1 << 9), (UsbSignal::ResetBegins, 0)] {

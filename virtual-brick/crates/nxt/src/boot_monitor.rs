@@ -156,29 +156,80 @@ fn packet(bytes: &mut VecDeque<u8>, longest: usize) -> UsbAnswer {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
-    /// The answer to a request without data: nothing, or a refusal.
-    fn answer(request: [u8; 8]) -> Option<UsbAnswer> {
-        let mut monitor = BootMonitor::default();
-        let mut signal = |transaction| {
-            monitor.signal(UsbSignal::Transaction {
-                address: 0,
-                endpoint: 0,
-                transaction,
-            })
+    fn control(monitor: &mut BootMonitor, address: u8, transaction: UsbTransaction) -> UsbAnswer {
+        let signal = UsbSignal::Transaction {
+            address,
+            endpoint: 0,
+            transaction,
         };
+        monitor.signal(signal).unwrap()
+    }
+
+    /// The answer to a request without data: nothing, or a refusal.
+    fn answer(request: [u8; 8]) -> UsbAnswer {
+        let mut monitor = BootMonitor::default();
+        let setup = UsbTransaction::Setup(request);
+        assert_eq!(control(&mut monitor, 0, setup), UsbAnswer::Acknowledged);
+        control(&mut monitor, 0, UsbTransaction::In)
+    }
+
+    /// USB 2.0, 9.4.6: the address holds from the end of the request on.
+    #[test]
+    fn a_new_address_holds_when_its_request_has_ended() {
+        let mut monitor = BootMonitor::default();
+        let set_address = UsbTransaction::Setup([0x00, 0x05, 9, 0, 0, 0, 0, 0]);
+        let get_status = UsbTransaction::Setup([0x80, 0x00, 0, 0, 0, 0, 2, 0]);
+        let mut at = |address, transaction| control(&mut monitor, address, transaction);
+        assert_eq!(at(0, set_address), UsbAnswer::Acknowledged);
+        assert_eq!(at(9, get_status), UsbAnswer::Silent);
+        assert_eq!(at(0, UsbTransaction::In), UsbAnswer::Data(UsbPacket::EMPTY));
+        assert_eq!(at(0, get_status), UsbAnswer::Silent);
+        assert_eq!(at(9, get_status), UsbAnswer::Acknowledged);
+    }
+
+    /// USB 2.0, 9.6: each descriptor's length leads to the next, interfaces are numbered from 0,
+    /// and each has the endpoints that it announces. CDC 1.1, 5.2.3.8: the union joins both.
+    #[test]
+    fn the_configuration_describes_two_joined_interfaces_with_their_endpoints() {
+        let mut monitor = BootMonitor::default();
+        let read = UsbTransaction::Setup([0x80, 0x06, 0, 2, 0, 0, 0xFF, 0]);
+        control(&mut monitor, 0, read);
+        let mut bytes = Vec::new();
+        while let UsbAnswer::Data(packet) = control(&mut monitor, 0, UsbTransaction::In) {
+            bytes.extend(packet.data());
+            if packet.data().len() < CONTROL_PACKET {
+                break;
+            }
+        }
         assert_eq!(
-            signal(UsbTransaction::Setup(request)),
-            Some(UsbAnswer::Acknowledged)
+            usize::from(u16::from_le_bytes([bytes[2], bytes[3]])),
+            bytes.len()
         );
-        signal(UsbTransaction::In)
+        let (mut interfaces, mut joined) = (Vec::new(), Vec::<u8>::new());
+        let mut rest = &bytes[..];
+        while let [length, kind, what, ..] = *rest {
+            let (descriptor, others) = rest.split_at(usize::from(length));
+            match (kind, what) {
+                (4, number) => interfaces.push((number, descriptor[4], 0)),
+                (5, _) => interfaces.last_mut().unwrap().2 += 1,
+                (0x24, 6) => joined.extend(&descriptor[3..]),
+                _ => {}
+            }
+            rest = others;
+        }
+        assert!(rest.is_empty());
+        assert_eq!(interfaces, [(0, 1, 1), (1, 2, 2)]);
+        assert_eq!(usize::from(bytes[4]), interfaces.len());
+        assert_eq!(joined, [0, 1]);
     }
 
     #[test]
     fn requests_of_a_host_that_opens_the_port_are_granted_and_others_refused() {
-        let granted = Some(UsbAnswer::Data(UsbPacket::EMPTY));
+        let granted = UsbAnswer::Data(UsbPacket::EMPTY);
         for request in [
             [0x00, 0x09, 1, 0, 0, 0, 0, 0], // SET_CONFIGURATION 1
             [0x01, 0x0B, 0, 0, 0, 0, 0, 0], // SET_INTERFACE
@@ -192,7 +243,7 @@ mod tests {
             [0x01, 0x09, 1, 0, 0, 0, 0, 0],
             [0x00, 0x0B, 0, 0, 0, 0, 0, 0],
         ] {
-            assert_eq!(answer(request), Some(UsbAnswer::Stalled), "{request:02X?}");
+            assert_eq!(answer(request), UsbAnswer::Stalled, "{request:02X?}");
         }
     }
 }

@@ -331,6 +331,18 @@ fn without_an_open_port_or_when_the_program_refuses_nobody_connects() {
 }
 
 #[test]
+fn a_device_that_gives_up_before_the_answer_is_forgotten_and_may_try_again() {
+    let mut program = Program::started(KNOWN);
+    program.ask(0x03, &[]);
+    for _ in 0..2 {
+        program.hear(page(None));
+        assert_eq!(program.messages(), [(0x16, address(&[]))]);
+        program.hear(AirSignal::Close);
+        assert_eq!(program.messages(), [(0x13, vec![0, 0xFF])]);
+    }
+}
+
+#[test]
 fn it_connects_as_client_after_pairing() {
     let mut program = Program::started("{}");
     assert_eq!(program.ask(0x02, &address(&[])), [(0x15, address(&[]))]);

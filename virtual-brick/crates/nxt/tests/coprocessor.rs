@@ -444,6 +444,8 @@ fn a_pack_below_6_5_volt_does_not_start_the_brick_but_cells_do() {
     for (kind, starts) in [("li_ion", false), ("aa", true)] {
         let board = format!(r#"{{"battery": {{"kind": "{kind}", "voltage": 6.4}}}}"#);
         let mut rig = Rig::new(&board, "{}", 1);
+        rig.run_until(milliseconds(1_090));
+        assert!(rig.board.powered(), "the pack has a second to recover");
         rig.run_until(milliseconds(1_300));
         assert_eq!(rig.board.powered(), starts, "{kind}");
     }

@@ -5,6 +5,7 @@
 use super::machine::{assert_as_reference, branch, program, run_until, DEVICE, NOP, START};
 use crate::blocks::Blocks;
 use crate::instruction::ALWAYS;
+use crate::psr;
 
 const COUNT: u32 = 0xE282_2001; // add r2, r2, #1
 
@@ -118,4 +119,58 @@ fn a_difference_in_the_program_counter_restores_the_status_only_if_it_sets_flags
         assert_eq!(cpu.register(2), 0, "both additions are jumped over");
         assert_as_reference(&opcodes, &cpu, &machine);
     }
+}
+
+#[test]
+fn operands_and_addresses_from_the_program_counter_do_as_in_single_steps() {
+    for opcode in [
+        0xE28F_0004, // add r0, pc, #4
+        0x028F_0004, // addeq r0, pc, #4
+        0x01A0_000F, // moveq r0, pc
+        0x11A0_000F, // movne r0, pc
+        0xE51F_0008, // ldr r0, [pc, #-8]
+        0xE79F_0001, // ldr r0, [pc, r1]
+        0xE71F_0001, // ldr r0, [pc, -r1]
+        0xE79F_0121, // ldr r0, [pc, r1, lsr #2]
+        0xE49F_0004, // ldr r0, [pc], #4
+        0xE5BF_0004, // ldr r0, [pc, #4]!
+    ] {
+        let opcodes = [
+            0xE3A0_1008, // mov r1, #8
+            0xE131_0001, // teq r1, r1
+            opcode,
+            COUNT,
+            COUNT,
+            COUNT,
+            branch(ALWAYS, START + 24, START),
+        ];
+        let (mut cpu, mut machine) = program(&opcodes);
+        let end = machine.now + 60;
+        run_until(&mut cpu, &mut machine, &mut Blocks::default(), end);
+        assert!(
+            cpu.register(2) > 3,
+            "{opcode:#010X} does not leave the loop"
+        );
+        assert_as_reference(&opcodes, &cpu, &machine);
+    }
+}
+
+#[test]
+fn a_thumb_function_with_a_frame_returns_in_thumb_state() {
+    let opcodes = [
+        0xE3A0_DC09, // mov sp, #0x900
+        0xE28F_E005, // add lr, pc, #5: the Thumb code below
+        0xE12F_FF1E, // bx lr
+        NOP,
+        0xB506_3201, // adds r2, #1; push {r1, r2, lr}
+        0x4801_B084, // sub sp, #16; ldr r0, [pc, #4]
+        0xBD06_B004, // add sp, #16; pop {r1, r2, pc}
+        0x1234_5678,
+    ];
+    let (mut cpu, mut machine) = program(&opcodes);
+    let end = machine.now + 200;
+    run_until(&mut cpu, &mut machine, &mut Blocks::default(), end);
+    assert_eq!(cpu.register(0), 0x1234_5678);
+    assert!(cpu.register(2) > 3 && cpu.cpsr() & psr::T != 0);
+    assert_as_reference(&opcodes, &cpu, &machine);
 }
