@@ -17,9 +17,11 @@ CRATES = ("arm7tdmi", "at91sam7s", "nxt", "plant")
 HOST = ("trace", "model", "codegen", "control", "schedule", "timing", "grading", "telemetry")
 CARGO = "cargo test --offline --locked --quiet --manifest-path virtual-brick/Cargo.toml"
 PYTEST = ".venv/bin/python -m pytest -q -x -p no:cacheprovider"
+# With the project of the run-time, so that only what a change reaches is compiled.
+GPRBUILD = "gprbuild -q -c -u -p --config=tools/ravenbrick.cgpr --implicit-with=tools/run_time.gpr"
 VITEST = "cd web && npx vitest run --bail=1 --configLoader runner"
-WORDS = "def|class|function|const|procedure|package"
-DEFINED = re.compile(rf"^ *(?:export )?(?:{WORDS}) ([A-Za-z]\w{{3,}})", re.MULTILINE)
+WORDS = "def|class|function|const|procedure|package body|package"
+DEFINED = re.compile(rf"^ *(?:export )?(?:{WORDS}) (?:\w+\.)*([A-Za-z]\w{{2,}})", re.MULTILINE)
 COMPILE = ".venv/bin/python -m compileall -q"
 
 
@@ -36,6 +38,7 @@ class Room:
     build: str
     test: str
     test_files: str = ""  # a command that takes files of tests as arguments
+    used_in: str = ""  # a folder with users of its sources, if there are others than these
 
     def files(self, tree: Path, folder: str) -> list[Path]:
         """Every file below one of its folders, in a fixed order, but none that Python compiled."""
@@ -52,26 +55,52 @@ class Room:
             for mutant in mutants_of(str(path.relative_to(tree)), path.read_text(encoding="utf-8"))
         ]
 
-    def tests_near(self, tree: Path, source: str, count: int) -> str:
-        """The command for the files of tests that name most of what a source defines, 0: for all.
+    def read_by(self, test: Path) -> list[Path]:
+        """A file of tests and the sources of the programs `programs/<name>` that it names."""
+        programs = [
+            test.parent / "programs" / name
+            for name in sorted(set(re.findall(r'"(\w+)"', test.read_text("utf-8"))))
+        ]
+        return [test, *(path for folder in programs for path in sorted(folder.glob("*.ad[sb]")))]
 
-        What imports it counts a quarter, and a name less the more files have it.
+    def tests_near(self, tree: Path, source: str, count: int) -> list[Path]:
+        """The files of tests that name most of what a source defines; none: all are to run.
+
+        What imports it counts a quarter, a name less the more files have it, and a file less the
+        more programs it runs.
         """
         if not (count and self.test_files):
-            return self.test
+            return []
         stem, texts = Path(source).stem, {}
-        for path in self.files(tree, self.sources):
-            if path.suffix in LANGUAGES:
+        for path in self.files(tree, self.used_in or self.sources):
+            if path.suffix in {*LANGUAGES, ".ads"} and tree / self.tests not in path.parents:
                 texts[path] = path.read_text("utf-8")
-        own = {stem, *DEFINED.findall(texts[tree / source])}
-        users = [text for text in texts.values() if re.search(rf"\b{stem}(?: import |\")", text)]
-        share = dict.fromkeys(DEFINED.findall("\n".join(users)), 0.25) | dict.fromkeys(own, 1.0)
+        own = [stem, stem.rpartition("-")[2], *DEFINED.findall(texts[tree / source])]
+        unit = stem.replace("-", r"\.")
+        imports = re.compile(
+            rf'\b{stem}(?: import |")|^with {unit}\b', re.MULTILINE | re.IGNORECASE
+        )
+        users = [text for text in texts.values() if imports.search(text)]
+        used = {name.lower(): 0.25 for name in DEFINED.findall("\n".join(users))}
+        share = used | {name.lower(): 1.0 for name in own}
         files = [p for p in self.files(tree, self.tests) if re.match(r"test_|.*\.test\.", p.name)]
-        named = {p: share.keys() & set(re.findall(r"\w+", p.read_text("utf-8"))) for p in files}
+        read = {path: self.read_by(path) for path in files}
+        words = {path: re.findall(r"\w+", "".join(map(_lower, read[path]))) for path in files}
+        named = {path: share.keys() & set(words[path]) for path in files}
         having = Counter(name for names in named.values() for name in names)
-        weight = {p: sum(share[n] / having[n] for n in names) for p, names in named.items()}
-        nearest = sorted(files, key=lambda path: -weight[path])[:count]
-        return " ".join([self.test_files, *map(str, nearest)])
+        weight = {
+            path: sum(share[name] / having[name] for name in names) / len(read[path]) ** 0.5
+            for path, names in named.items()
+        }
+        return sorted(files, key=lambda path: -weight[path])[:count]
+
+    def command(self, tests: list[Path]) -> str:
+        """That runs files of tests; none: all of the room."""
+        return " ".join([self.test_files, *map(str, tests)]) if tests else self.test
+
+
+def _lower(path: Path) -> str:
+    return path.read_text("utf-8").lower()
 
 
 def _crate(name: str) -> Room:
@@ -93,9 +122,9 @@ ROOMS = {
     room.name: room
     for room in (
         Room("kernel", "runtime/kernel", "runtime/tests", "make -s -C runtime",
-             f"{PYTEST} runtime/tests", PYTEST),
+             f"{PYTEST} runtime/tests", PYTEST, "runtime"),
         Room("drivers", "drivers/src", "drivers/tests",
-             "gprbuild -q -c -u -p --config=tools/ravenbrick.cgpr -P drivers/drivers.gpr",
+             f"{GPRBUILD} -P drivers/drivers.gpr",
              f"{PYTEST} drivers/tests", PYTEST),
         *map(_crate, CRATES),
         *map(_host, HOST),
