@@ -6,8 +6,8 @@
 where an earlier run ended, also one in another clone: `outcomes/` keeps what was found. An outcome
 holds while the mutated file, and for survivors the tests too, stay as they are. Each survivor gets
 a verdict, by hand, in `verdicts.toml`; `results.json` becomes docs/reference/mutants.md.
-`--near 2` runs only the two files of tests that name most of what the mutated file defines: what
-they kill is killed; what survives them counts as a survivor, which other tests judge again.
+`--near 2` runs only the two files of tests that share most words with the mutated file: what they
+kill is killed; what survives them counts as a survivor, which other tests judge again.
 """
 
 from __future__ import annotations
@@ -107,6 +107,7 @@ class Judge:
 
     def __init__(self, room: Room, scratch: Scratch, near: int = 0) -> None:
         self.room, self.scratch, self.near = room, scratch, near
+        self.used_s = 0.0  # processor time of the last mutant
         for file in room.files(scratch.tree, room.sources):
             if file.suffix == ".rs":
                 file.touch()  # Cargo's products outlive the copy of an earlier run
@@ -137,9 +138,11 @@ class Judge:
         source = file.read_text(encoding="utf-8")
         file.write_text(mutant.applied(source), encoding="utf-8")
         try:
-            if not self.scratch.run(self.room.build, LIMIT_S)[0]:
+            taken, self.used_s = self.scratch.run(self.room.build, LIMIT_S)
+            if not taken:
                 return "refused"
-            passed, _ = self.scratch.run(self.room.command(tests), limit_s)
+            passed, needed_s = self.scratch.run(self.room.command(tests), limit_s)
+            self.used_s += needed_s
             return "survived" if passed else "killed"
         finally:
             file.write_text(source, encoding="utf-8")
@@ -162,8 +165,8 @@ def judged(
                 outcome = judge.outcome(mutant)
                 outcomes.keep(mutant, outcome)
                 place = f"{mutant.line}: {mutant.key} ({judge.scratch.said()})"
-                print(f"{room.name} {found + 1}/{sample} {outcome} {place}",
-                      file=sys.stderr, flush=True)  # fmt: skip
+                head = f"{room.name} {found + 1}/{sample} {outcome} {judge.used_s:.1f} s"
+                print(head, place, file=sys.stderr, flush=True)
             if outcome != "refused":
                 found += 1
                 yield mutant, outcome

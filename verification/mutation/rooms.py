@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,8 +22,8 @@ PYTEST = ".venv/bin/python -m pytest -q -x -p no:cacheprovider"
 # With the project of the run-time, so that only what a change reaches is compiled.
 GPRBUILD = "gprbuild -q -c -u -p --config=tools/ravenbrick.cgpr --implicit-with=tools/run_time.gpr"
 VITEST = "cd web && npx vitest run --bail=1 --configLoader runner"
-WORDS = "def|class|function|const|procedure|package body|package"
-DEFINED = re.compile(rf"^ *(?:export )?(?:{WORDS}) (?:\w+\.)*([A-Za-z]\w{{2,}})", re.MULTILINE)
+# Of names, too: `Ready_Head` has two, `readyHead` as well.
+WORD = re.compile(r"[A-Z]?[a-z]{2,}|[A-Z]{2,}(?![a-z])")
 COMPILE = ".venv/bin/python -m compileall -q"
 
 
@@ -38,7 +40,6 @@ class Room:
     build: str
     test: str
     test_files: str = ""  # a command that takes files of tests as arguments
-    used_in: str = ""  # a folder with users of its sources, if there are others than these
 
     def files(self, tree: Path, folder: str) -> list[Path]:
         """Every file below one of its folders, in a fixed order, but none that Python compiled."""
@@ -64,43 +65,37 @@ class Room:
         return [test, *(path for folder in programs for path in sorted(folder.glob("*.ad[sb]")))]
 
     def tests_near(self, tree: Path, source: str, count: int) -> list[Path]:
-        """The files of tests that name most of what a source defines; none: all are to run.
+        """The files of tests with most of a source's words, rare ones above all; none: all.
 
-        What imports it counts a quarter, a name less the more files have it, and a file less the
-        more programs it runs.
+        A test that runs programs has their words, too, and counts less the more there are.
         """
         if not (count and self.test_files):
             return []
-        stem, texts = Path(source).stem, {}
-        for path in self.files(tree, self.used_in or self.sources):
-            if path.suffix in {*LANGUAGES, ".ads"} and tree / self.tests not in path.parents:
-                texts[path] = path.read_text("utf-8")
-        own = [stem, stem.rpartition("-")[2], *DEFINED.findall(texts[tree / source])]
-        unit = stem.replace("-", r"\.")
-        imports = re.compile(
-            rf'\b{stem}(?: import |")|^with {unit}\b', re.MULTILINE | re.IGNORECASE
-        )
-        users = [text for text in texts.values() if imports.search(text)]
-        used = {name.lower(): 0.25 for name in DEFINED.findall("\n".join(users))}
-        share = used | {name.lower(): 1.0 for name in own}
-        files = [p for p in self.files(tree, self.tests) if re.match(r"test_|.*\.test\.", p.name)]
-        read = {path: self.read_by(path) for path in files}
-        words = {path: re.findall(r"\w+", "".join(map(_lower, read[path]))) for path in files}
-        named = {path: share.keys() & set(words[path]) for path in files}
-        having = Counter(name for names in named.values() for name in names)
-        weight = {
-            path: sum(share[name] / having[name] for name in names) / len(read[path]) ** 0.5
-            for path, names in named.items()
-        }
-        return sorted(files, key=lambda path: -weight[path])[:count]
+        tests = [p for p in self.files(tree, self.tests) if re.match(r"test_|.*\.test\.", p.name)]
+        read = {test: self.read_by(test) for test in tests}
+        words = {test: _words(read[test]) for test in tests}
+        having = Counter(word for found in words.values() for word in found)
+        rarity = {word: math.log(len(tests) / n) for word, n in having.items()}
+        file = tree / source
+        own = _words(path for path in {file, file.with_suffix(".ads")} if path.exists())
+
+        def nearness(test: Path) -> float:
+            found = {word: math.log1p(n) * rarity[word] for word, n in words[test].items()}
+            length = math.hypot(*found.values()) or 1.0
+            shared = sum(math.log1p(own[word]) * rarity[word] * found[word] for word in found)
+            return shared / length / len(read[test]) ** 0.25
+
+        return sorted(tests, key=nearness, reverse=True)[:count]
 
     def command(self, tests: list[Path]) -> str:
         """That runs files of tests; none: all of the room."""
         return " ".join([self.test_files, *map(str, tests)]) if tests else self.test
 
 
-def _lower(path: Path) -> str:
-    return path.read_text("utf-8").lower()
+def _words(files: Iterable[Path]) -> Counter[str]:
+    """How often which word stands in files and their names, without an `s` at its end."""
+    texts = (f"{file.stem} {file.read_text('utf-8')}" for file in files)
+    return Counter(word.lower().rstrip("s") for text in texts for word in WORD.findall(text))
 
 
 def _crate(name: str) -> Room:
@@ -122,7 +117,7 @@ ROOMS = {
     room.name: room
     for room in (
         Room("kernel", "runtime/kernel", "runtime/tests", "make -s -C runtime",
-             f"{PYTEST} runtime/tests", PYTEST, "runtime"),
+             f"{PYTEST} runtime/tests", PYTEST),
         Room("drivers", "drivers/src", "drivers/tests",
              f"{GPRBUILD} -P drivers/drivers.gpr",
              f"{PYTEST} drivers/tests", PYTEST),

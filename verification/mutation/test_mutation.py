@@ -126,7 +126,7 @@ def test_a_campaign_goes_on_and_judges_survivors_again_when_tests_changed(
 def test_near_tests_kill_and_other_tests_judge_again_what_survives_them(
     room: Room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The file that names what the source defines comes first; 0 means all tests of the room."""
+    """The file that shares words with the source comes first; 0 means all tests of the room."""
     source = "noticed = 1\nunnoticed = 2\nrefused = 9 + 8\n\n\ndef rare(): ...\n"
     (tmp_path / "src" / "a.py").write_text(source)
     for name, text in (("x", "common"), ("y", "rare()"), ("z", "common")):
@@ -160,24 +160,24 @@ def test_what_all_tests_let_survive_is_not_run_with_the_nearest(
     assert {mutant: near.of(mutant) for mutant in first} == first
 
 
-def test_a_file_of_tests_is_near_to_what_its_programs_use(tmp_path: Path) -> None:
-    """A room in Ada: its tests are programs, and units of another folder stand between."""
+def test_a_file_of_tests_is_near_to_what_its_programs_are_about(tmp_path: Path) -> None:
+    """A room in Ada: its tests are programs; the specification has words of its own."""
     files = {
-        "kernel/raven-threads.adb": "package body Raven.Threads is\nend Raven.Threads;\n",
-        "language/a-dispat.adb": "with Raven.Threads;\npackage body Ada.Dispatching is\n",
+        "kernel/threads.ads": "--  The queue of those that are ready\n",
+        "kernel/threads.adb": "procedure Yield is null;\n",
         "tests/test_a.py": 'run("other")\n',
-        "tests/test_b.py": 'run("yields")\n',
-        "tests/programs/other/other.adb": "with Ada.Real_Time;\n",
-        "tests/programs/yields/yields.adb": "with Ada.Dispatching;\n",
+        "tests/test_b.py": 'run("turns")\n',
+        "tests/test_c.py": 'run("other", "turns")\n',
+        "tests/programs/other/other.adb": "Clock;\n",
+        "tests/programs/turns/turns.adb": "Queues; Yield_Now;\n",
     }
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
-    room = Room("made", "kernel", "tests", "build", "test", "test --files", ".")
-    (near,) = room.tests_near(tmp_path, "kernel/raven-threads.adb", 1)
+    room = Room("made", "kernel", "tests", "build", "test", "test --files")
+    (near,) = room.tests_near(tmp_path, "kernel/threads.adb", 1)
     assert near.name == "test_b.py"
-    programs = [path.name for path in room.read_by(near)]
-    assert programs == ["test_b.py", "yields.adb"]
+    assert [path.name for path in room.read_by(near)] == ["test_b.py", "turns.adb"]
 
 
 def test_files_of_tests_pass_unchanged_once_before_they_judge(room: Room, tmp_path: Path) -> None:
