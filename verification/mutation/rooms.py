@@ -21,7 +21,7 @@ CARGO = "cargo test --offline --locked --quiet --manifest-path virtual-brick/Car
 PYTEST = ".venv/bin/python -m pytest -q -x -p no:cacheprovider"
 # With the project of the run-time, so that only what a change reaches is compiled.
 GPRBUILD = "gprbuild -q -c -u -p --config=tools/ravenbrick.cgpr --implicit-with=tools/run_time.gpr"
-VITEST = "cd web && npx vitest run --bail=1 --configLoader runner"
+VITEST = "cd web && node_modules/.bin/vitest run --bail=1 --configLoader runner"
 # Of names, too: `Ready_Head` has two, `readyHead` as well.
 WORD = re.compile(r"[A-Z]?[a-z]{2,}|[A-Z]{2,}(?![a-z])")
 COMPILE = ".venv/bin/python -m compileall -q"
@@ -123,7 +123,7 @@ ROOMS = {
              f"{PYTEST} drivers/tests", PYTEST),
         *map(_crate, CRATES),
         *map(_host, HOST),
-        Room("page", "web/src", "web/tests", "cd web && npx tsc --noEmit",
+        Room("page", "web/src", "web/tests", "cd web && node_modules/.bin/tsc --noEmit",
              VITEST, VITEST),
     )
 }  # fmt: skip
