@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
-from verification.support.bricks.runtime_programs import PRODUCTS, RUNTIMES, make_runtime
+from verification.support.bricks.runtime_programs import RUNTIMES, make_runtime
 from verification.support.paths import ROOT
 
 
@@ -22,13 +21,7 @@ def tree(tmp_path: Path) -> Path:
     shutil.copytree(ROOT / "runtime", tmp_path / "runtime")
     (tmp_path / "tools").mkdir()
     shutil.copy2(ROOT / "tools" / "toolchain.mk", tmp_path / "tools")
-    library = tmp_path / "build" / "runtime" / "ravenscar"
-    shutil.copytree(RUNTIMES["arm"], library)
-    here = os.path.relpath(PRODUCTS, ROOT / "runtime")
-    for file in (library / "adalib").glob("*.d"):
-        times = file.stat()
-        file.write_text(file.read_text().replace(here, "../build/runtime"))
-        os.utime(file, ns=(times.st_atime_ns, times.st_mtime_ns))
+    shutil.copytree(RUNTIMES["arm"], tmp_path / "build" / "runtime" / "ravenscar")
     return tmp_path
 
 
