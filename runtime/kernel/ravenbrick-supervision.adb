@@ -20,7 +20,8 @@ package body Ravenbrick.Supervision is
    --  In units of the clock, zero where no task is declared; odd for sporadic tasks
 
    Seen_Ready : array (System.Any_Priority) of Unsigned_32 := (others => 0);
-   --  The clock's last 32 bits when a sporadic task was first seen ready, zero when it was not
+   --  The clock's last 32 bits, rounded down to even ones, when a sporadic task was first seen
+   --  ready; zero when it was not
 
    Units_Per_Ms : constant := 21_024;
    Start_Up     : constant := 500 * Units_Per_Ms;
@@ -59,7 +60,7 @@ package body Ravenbrick.Supervision is
      (Priority : System.Any_Priority; Deadline, Now : Unsigned_32) return Boolean is
    begin
       if Seen_Ready (Priority) = 0 then
-         Seen_Ready (Priority) := Now or 1;
+         Seen_Ready (Priority) := Now and not 1;
       end if;
       return Now - Seen_Ready (Priority) > Deadline;
    end Sporadic_Is_Late;

@@ -10,11 +10,15 @@ import pytest
 import virtual_brick
 
 from verification.support.bricks.runtime_programs import BENCH, CYCLES_PER_MS, Run, Runner, build
+from verification.support.failing_program import put_values
 
 
 @pytest.fixture(scope="session")
 def run() -> Runner:
-    """Run a program of this folder for a number of cycles."""
+    """Run a program of this folder for a number of cycles.
+
+    `values` are initial values of its exported integers, which must not be 0 in the source.
+    """
 
     def run_program(
         name: str,
@@ -23,9 +27,12 @@ def run() -> Runner:
         code: str = "arm",
         runtime: str = "arm",
         options: tuple[str, ...] = (),
+        values: dict[str, int] | None = None,
     ) -> Run:
-        elf = build(name, image, code, runtime, options).read_bytes()
-        brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf)
+        path = build(name, image, code, runtime, options)
+        content = bytearray(path.read_bytes())
+        put_values(content, path, values or {})
+        brick = virtual_brick.VirtualBrick(json.dumps(BENCH), bytes(content))
         return Run(brick, brick.run_until(cycles))
 
     return run_program

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from verification.support.bricks.runtime_programs import Runner, assert_repeats
+from verification.support.bricks.runtime_programs import CYCLES_PER_MS, Runner, assert_repeats
 
 
 class TestDispatching:
@@ -36,3 +36,10 @@ class TestDispatching:
     def test_sequential_elaboration_starts_tasks_last(self, run: Runner) -> None:
         """Under the sequential policy tasks start after all elaboration, highest first."""
         assert run("sequential").journal() == "e21mn"
+
+    def test_a_main_procedure_without_a_priority_has_the_default_one(self, run: Runner) -> None:
+        """System.Default_Priority (RM D.1); with the aspect Priority that one."""
+        for program, priority in (("library_units", 15), ("sequential", 1)):
+            threads = run(program, cycles=CYCLES_PER_MS).brick.threads()
+            (environment,) = (each for each in threads if each.name == "environment")
+            assert environment.base_priority == priority

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from verification.support.bricks.runtime_programs import PROGRAMS, Runner
+from verification.support.bricks.runtime_programs import PROGRAMS, Runner, is_in
 
 
 def line_of(program: str, mark: str) -> int:
@@ -47,6 +49,28 @@ class TestFailures:
         assert result.journal() == journal
         assert result.failure() == (f"{program}.adb", line_of(program, "the failing line"))
         assert result.stop.reason == "halted"
+
+    @pytest.mark.parametrize("culprit", ["Pilot_Above_Ceiling", "Nameless_Task", "Handler_Of_TC1"])
+    def test_the_context_of_a_failure_says_who_failed(self, run: Runner, culprit: str) -> None:
+        """Task, handler by the source (datasheet, table 10-1: TC1 is 13), priority and object."""
+        specification = (PROGRAMS / "who_failed" / "culprits.ads").read_text()
+        kinds = re.findall(r"\w+", specification.split("is (", 1)[1].split(")", 1)[0])
+        result = run("who_failed", values={"chosen": kinds.index(culprit)})
+        address, size = result.brick.symbol("described")
+        text = result.brick.read_memory(address, size).decode("ascii")
+        *words, last = (text[start : start + 24].rstrip() for start in range(0, size, 24))
+        if culprit == "Handler_Of_TC1":
+            assert [*words, last] == ["interrupt 13", "", "", ""]
+        elif culprit == "Nameless_Task":
+            assert words[1:] == ["priority 9", ""] and last == ""
+            kind, address_of_task = words[0].split()
+            assert kind == "task" and len(address_of_task) == 8
+            assert is_in(result, "culprits__nameless", int(address_of_task, 16))
+        else:
+            assert words == ["task pilot", "priority 12", "ceiling 10"]
+            kind, address_of_object = last.split()
+            assert kind == "object" and len(address_of_object) == 8
+            assert is_in(result, "culprits__low", int(address_of_object, 16))
 
     def test_the_message_of_an_assertion_takes_the_place_of_its_file(self, run: Runner) -> None:
         """The compiler passes nothing else, even when the message ends with a number."""

@@ -67,3 +67,9 @@ class TestInterrupts:
         assert journal.startswith("b")
         assert_repeats(journal[1:], "is", 99)
         assert result.brick.read_int("served", "u32") >= 100
+
+    def test_an_interrupt_with_a_handler_takes_no_second_one(self, run: Runner) -> None:
+        """Program_Error when it is attached (RM C.3.1 (10)), which is before the main procedure."""
+        result = run("second_handler")
+        assert result.failure() == ("Program_Error: interrupt reserved or taken", 0)
+        assert result.journal() == ""

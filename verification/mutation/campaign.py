@@ -6,8 +6,8 @@
 where an earlier run ended, also one in another clone: `outcomes/` keeps what was found. An outcome
 holds while the mutated file, and for survivors the tests too, stay as they are. Each survivor gets
 a verdict, by hand, in `verdicts.toml`; `results.json` becomes docs/reference/mutants.md.
-`--near 2` runs only the two files of tests that name most of what the mutated file defines: what
-they kill is killed; what survives them counts as a survivor and is judged again by the next run.
+`--near 2` runs only the two files of tests that share most words with the mutated file: what they
+kill is killed; what survives them counts as a survivor, which other tests judge again.
 """
 
 from __future__ import annotations
@@ -62,27 +62,42 @@ def verdicts(path: Path = VERDICTS) -> dict[str, Row]:
 
 
 class Outcomes:
-    """What earlier runs found of a room's mutants that there still are, in a file after each."""
+    """What earlier runs found of a room's mutants that there still are, in a file after each.
 
-    def __init__(self, room: Room) -> None:
+    A survivor has survived the tests whose digest is kept: the nearest files, or all of the room.
+    """
+
+    def __init__(self, room: Room, near: int = 0) -> None:
+        self.room, self.near = room, near
         self.file = OUTCOMES / f"{room.name}.json"
         kept = json.loads(self.file.read_text()) if self.file.exists() else {}
         present = {mutant.key for mutant in room.mutants(ROOT)}
         self.kept: dict[str, Row] = {key: row for key, row in kept.items() if key in present}
-        self.tests = digest_of(room.files(ROOT, room.tests))
+        self.all_tests = digest_of(room.files(ROOT, room.tests))
+        self._near_tests: dict[str, str] = {}
+
+    def tests(self, mutant: Mutant) -> str:
+        """One digest of the tests that judge a mutant."""
+        if mutant.file not in self._near_tests:
+            nearest = self.room.tests_near(ROOT, mutant.file, self.near)
+            read = [file for test in nearest for file in self.room.read_by(test)]
+            self._near_tests[mutant.file] = digest_of(read) if nearest else self.all_tests
+        return self._near_tests[mutant.file]
 
     def of(self, mutant: Mutant) -> str | None:
         """Killed, survived or refused (by the compiler); None when it has to be run."""
         row = self.kept.get(mutant.key)
         if row is None or row["source"] != digest_of([ROOT / mutant.file]):
             return None
-        stale = row["outcome"] == "survived" and row["tests"] != self.tests
+        stale = row["outcome"] == "survived" and row["tests"] not in (
+            self.all_tests, self.tests(mutant)
+        )  # fmt: skip
         return None if stale else str(row["outcome"])
 
     def keep(self, mutant: Mutant, outcome: str) -> None:
         """Write an outcome down, whole."""
         source = digest_of([ROOT / mutant.file])
-        self.kept[mutant.key] = {"outcome": outcome, "source": source, "tests": self.tests}
+        self.kept[mutant.key] = {"outcome": outcome, "source": source, "tests": self.tests(mutant)}
         self.file.parent.mkdir(exist_ok=True)
         rows = sorted(self.kept.items())
         lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(row)}" for key, row in rows)
@@ -94,15 +109,11 @@ class Judge:
 
     def __init__(self, room: Room, scratch: Scratch, near: int = 0) -> None:
         self.room, self.scratch, self.near = room, scratch, near
+        self.used_s = 0.0  # processor time of the last mutant
         for file in room.files(scratch.tree, room.sources):
-            file.touch()  # an earlier run may have left products of a mutant
-        self._limits_s: dict[str, float] = {}
-
-    def _limit_s(self, test: str) -> float:
-        if test not in self._limits_s:
-            self._unchanged_s(self.room.build)
-            self._limits_s[test] = 30 + 5 * self._unchanged_s(test)
-        return self._limits_s[test]
+            if file.suffix == ".rs":
+                file.touch()  # Cargo's products outlive the copy of an earlier run
+        self._needed_s: dict[Path, float] = {}
 
     def _unchanged_s(self, command: str) -> float:
         passed, needed_s = self.scratch.run(command, LIMIT_S)
@@ -111,17 +122,30 @@ class Judge:
             raise NoResultError(f"{self.room.name}, nothing changed: {command} fails\n{last}")
         return needed_s
 
+    def _limit_s(self, tests: list[Path]) -> float:
+        """For tests which have passed unchanged, once for each file; no file: all of the room."""
+        keys = tests or [self.scratch.tree]
+        new = [path for path in keys if path not in self._needed_s]
+        if new:
+            if not self._needed_s:
+                self._unchanged_s(self.room.build)
+            needed_s = self._unchanged_s(self.room.command(tests and new))
+            self._needed_s |= dict.fromkeys(new, needed_s / len(new))
+        return 30 + 5 * sum(self._needed_s[path] for path in keys)
+
     def outcome(self, mutant: Mutant) -> str:
         """Of one mutant; the file is as before afterwards."""
         file = self.scratch.tree / mutant.file
-        test = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
-        limit_s = self._limit_s(test)
+        tests = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
+        limit_s = self._limit_s(tests)
         source = file.read_text(encoding="utf-8")
         file.write_text(mutant.applied(source), encoding="utf-8")
         try:
-            if not self.scratch.run(self.room.build, LIMIT_S)[0]:
+            taken, self.used_s = self.scratch.run(self.room.build, LIMIT_S)
+            if not taken:
                 return "refused"
-            passed, _ = self.scratch.run(test, limit_s)
+            passed, needed_s = self.scratch.run(self.room.command(tests), limit_s)
+            self.used_s += needed_s
             return "survived" if passed else "killed"
         finally:
             file.write_text(source, encoding="utf-8")
@@ -130,10 +154,10 @@ class Judge:
         """Outcomes of those that a run can choose."""
         with one_build(self.room, self.scratch, mutants, LIMIT_S) as tests:
             for mutant, test in tests.items():
-                limit_s = self._limit_s(self.room.test)
+                limit_s = self._limit_s([])
                 if time.monotonic() > end:
                     return
-                passed, _ = self.scratch.run(test, limit_s)
+                passed, self.used_s = self.scratch.run(test, limit_s)
                 yield mutant, "survived" if passed else "killed"
 
 
@@ -141,14 +165,13 @@ def judged(
     room: Room, sample: int, seed: int, end: float, near: int = 0
 ) -> Iterator[tuple[Mutant, str]]:
     """The first mutants in the seed's order that a compiler takes, each with its outcome."""
-    outcomes, found, judge = Outcomes(room), 0, None
+    outcomes, found, judge = Outcomes(room, near), 0, None
     waiting = ranked(room.mutants(ROOT), seed)
 
     def known(judge: Judge, mutant: Mutant, outcome: str) -> str:
-        if outcome != "survived" or not near:
-            outcomes.keep(mutant, outcome)
+        outcomes.keep(mutant, outcome)
         place = f"{mutant.line}: {mutant.key} ({judge.scratch.said()})"
-        print(f"{room.name} {outcome} {place}", file=sys.stderr, flush=True)
+        print(f"{room.name} {outcome} {judge.used_s:.1f} s {place}", file=sys.stderr, flush=True)
         return outcome
 
     with ExitStack() as stack:

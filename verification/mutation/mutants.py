@@ -16,11 +16,11 @@ from pathlib import Path
 
 __all__ = ["LANGUAGES", "Mutant", "code_of", "mutants_of", "ranked"]
 
-# What is no code: comments, strings, attributes.
+# What is no code: comments, strings, attributes, contracts that no product checks.
 NO_CODE = {
     "rust": r"#\[cfg\(test\)\]\s+(?:#\[[^\n]*\]\s+)*mod \w+ \{.*|\bd?e?b?u?g?_?assert\w*!\(.*?\);"
     r'|//[^\n]*|/\*.*?\*/|b?r?"(?:\\.|[^"\\])*"|\'(?:\\[^\']+|[^\'\\\n])\'|#!?\[[^\n]*\]',
-    "ada": r'--[^\n]*|"(?:""|[^"\n])*"|\'[^\n]\'|\bpragma\b[^;]*;',
+    "ada": r'--[^\n]*|"(?:""|[^"\n])*"|\'[^\n]\'|\bpragma\b[^;]*;|\b(?:Pre|Post)\s*=>[^;]*',
     "python": r'#[^\n]*|[rbf]{0,2}(?:"""(?:\\.|.)*?"""|"(?:\\.|[^"\\\n])*")|\bassert [^\n]*'
     r"|\b(?:strict|frozen)=True",
     "typescript": r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'"

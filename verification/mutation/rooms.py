@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,9 +19,11 @@ CRATES = ("arm7tdmi", "at91sam7s", "nxt", "plant")
 HOST = ("trace", "model", "codegen", "control", "schedule", "timing", "grading", "telemetry")
 CARGO = "cargo test --offline --locked --quiet --manifest-path virtual-brick/Cargo.toml"
 PYTEST = ".venv/bin/python -m pytest -q -x -p no:cacheprovider"
-VITEST = "cd web && npx vitest run --bail=1 --configLoader runner"
-WORDS = "def|class|function|const|procedure|package"
-DEFINED = re.compile(rf"^ *(?:export )?(?:{WORDS}) ([A-Za-z]\w{{3,}})", re.MULTILINE)
+# With the project of the run-time, so that only what a change reaches is compiled.
+GPRBUILD = "gprbuild -q -c -u -p --config=tools/ravenbrick.cgpr --implicit-with=tools/run_time.gpr"
+VITEST = "cd web && node_modules/.bin/vitest run --bail=1 --configLoader runner"
+# Of names, too: `Ready_Head` has two, `readyHead` as well.
+WORD = re.compile(r"[A-Z]?[a-z]{2,}|[A-Z]{2,}(?![a-z])")
 COMPILE = ".venv/bin/python -m compileall -q"
 
 
@@ -53,26 +57,46 @@ class Room:
             for mutant in mutants_of(str(path.relative_to(tree)), path.read_text(encoding="utf-8"))
         ]
 
-    def tests_near(self, tree: Path, source: str, count: int) -> str:
-        """The command for the files of tests that name most of what a source defines, 0: for all.
+    def read_by(self, test: Path) -> list[Path]:
+        """A file of tests and the sources of the programs `programs/<name>` that it names."""
+        programs = [
+            test.parent / "programs" / name
+            for name in sorted(set(re.findall(r'"(\w+)"', test.read_text("utf-8"))))
+        ]
+        return [test, *(path for folder in programs for path in sorted(folder.glob("*.ad[sb]")))]
 
-        What imports it counts a quarter, and a name less the more files have it.
+    def tests_near(self, tree: Path, source: str, count: int) -> list[Path]:
+        """The files of tests with most of a source's words, rare ones above all; none: all.
+
+        A test that runs programs has their words, too, and counts less the more there are.
         """
         if not (count and self.test_files):
-            return self.test
-        stem, texts = Path(source).stem, {}
-        for path in self.files(tree, self.sources):
-            if path.suffix in LANGUAGES:
-                texts[path] = path.read_text("utf-8")
-        own = {stem, *DEFINED.findall(texts[tree / source])}
-        users = [text for text in texts.values() if re.search(rf"\b{stem}(?: import |\")", text)]
-        share = dict.fromkeys(DEFINED.findall("\n".join(users)), 0.25) | dict.fromkeys(own, 1.0)
-        files = [p for p in self.files(tree, self.tests) if re.match(r"test_|.*\.test\.", p.name)]
-        named = {p: share.keys() & set(re.findall(r"\w+", p.read_text("utf-8"))) for p in files}
-        having = Counter(name for names in named.values() for name in names)
-        weight = {p: sum(share[n] / having[n] for n in names) for p, names in named.items()}
-        nearest = sorted(files, key=lambda path: -weight[path])[:count]
-        return " ".join([self.test_files, *map(str, nearest)])
+            return []
+        tests = [p for p in self.files(tree, self.tests) if re.match(r"test_|.*\.test\.", p.name)]
+        read = {test: self.read_by(test) for test in tests}
+        words = {test: _words(read[test]) for test in tests}
+        having = Counter(word for found in words.values() for word in found)
+        rarity = {word: math.log(len(tests) / n) for word, n in having.items()}
+        file = tree / source
+        own = _words(path for path in {file, file.with_suffix(".ads")} if path.exists())
+
+        def nearness(test: Path) -> float:
+            found = {word: math.log1p(n) * rarity[word] for word, n in words[test].items()}
+            length = math.hypot(*found.values()) or 1.0
+            shared = sum(math.log1p(own[word]) * rarity[word] * found[word] for word in found)
+            return shared / length / len(read[test]) ** 0.25
+
+        return sorted(tests, key=nearness, reverse=True)[:count]
+
+    def command(self, tests: list[Path]) -> str:
+        """That runs files of tests; none: all of the room."""
+        return " ".join([self.test_files, *map(str, tests)]) if tests else self.test
+
+
+def _words(files: Iterable[Path]) -> Counter[str]:
+    """How often which word stands in files and their names, without an `s` at its end."""
+    texts = (f"{file.stem} {file.read_text('utf-8')}" for file in files)
+    return Counter(word.lower().rstrip("s") for text in texts for word in WORD.findall(text))
 
 
 def _crate(name: str) -> Room:
@@ -96,11 +120,11 @@ ROOMS = {
         Room("kernel", "runtime/kernel", "runtime/tests", "make -s -C runtime",
              f"{PYTEST} runtime/tests", PYTEST),
         Room("drivers", "drivers/src", "drivers/tests",
-             "gprbuild -q -c -u -p --config=tools/ravenbrick.cgpr -P drivers/drivers.gpr",
+             f"{GPRBUILD} -P drivers/drivers.gpr",
              f"{PYTEST} drivers/tests", PYTEST),
         *map(_crate, CRATES),
         *map(_host, HOST),
-        Room("page", "web/src", "web/tests", "cd web && npx tsc --noEmit",
+        Room("page", "web/src", "web/tests", "cd web && node_modules/.bin/tsc --noEmit",
              VITEST, VITEST),
     )
 }  # fmt: skip

@@ -124,25 +124,72 @@ def test_a_campaign_goes_on_and_judges_survivors_again_when_tests_changed(
     ]
 
 
-def test_near_tests_kill_and_what_survives_them_is_judged_again(
+def test_near_tests_kill_and_other_tests_judge_again_what_survives_them(
     room: Room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The file that names what the source defines comes first; 0 means all tests of the room."""
-    (tmp_path / "src" / "a.py").write_text("noticed = 1\nrefused = 9 + 8\n\n\ndef rare(): ...\n")
+    """The file that shares words with the source comes first; 0 means all tests of the room."""
+    source = "noticed = 1\nunnoticed = 2\nrefused = 9 + 8\n\n\ndef rare(): ...\n"
+    (tmp_path / "src" / "a.py").write_text(source)
     for name, text in (("x", "common"), ("y", "rare()"), ("z", "common")):
         (tmp_path / "tests" / f"test_{name}.py").write_text(f"{text}\n")
     near = replace(room, test_files="test --files")
-    command = near.tests_near(tmp_path, "src/a.py", 1)
-    assert command == f"test --files {tmp_path / 'tests' / 'test_y.py'}"
-    assert near.tests_near(tmp_path, "src/a.py", 0) == room.tests_near(tmp_path, "src/a.py", 1)
+    nearest = near.tests_near(tmp_path, "src/a.py", 1)
+    assert nearest == [tmp_path / "tests" / "test_y.py"]
+    assert near.tests_near(tmp_path, "src/a.py", 0) == []
     copy = Copy(tmp_path)
     monkeypatch.setattr(campaign, "Scratch", lambda _name: copy)
     first = dict(judged(near, 60, 1, float("inf"), near=1))
-    assert set(copy.commands) == {"build", command}
-    kept = Outcomes(near)
-    assert [kept.of(mutant) for mutant in first] == [
-        None if outcome == "survived" else outcome for outcome in first.values()
-    ]
+    assert set(copy.commands) == {"build", f"test --files {nearest[0]}"}
+    assert sorted(first.values()) == ["killed", "survived"]
+    other_tests = {mutant: None if o == "survived" else o for mutant, o in first.items()}
+    assert {mutant: Outcomes(near, 1).of(mutant) for mutant in first} == first
+    assert {mutant: Outcomes(near).of(mutant) for mutant in first} == other_tests
+    (tmp_path / "tests" / "test_x.py").write_text("common, otherwise\n")
+    assert {mutant: Outcomes(near, 1).of(mutant) for mutant in first} == first
+    nearest[0].write_text("rare() == 1\n")
+    assert {mutant: Outcomes(near, 1).of(mutant) for mutant in first} == other_tests
+
+
+def test_what_all_tests_let_survive_is_not_run_with_the_nearest(
+    room: Room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are among them."""
+    copy = Copy(tmp_path)
+    monkeypatch.setattr(campaign, "Scratch", lambda _name: copy)
+    first = dict(judged(room, 60, 1, float("inf")))
+    near = Outcomes(replace(room, test_files="test --files"), 1)
+    assert {mutant: near.of(mutant) for mutant in first} == first
+
+
+def test_a_file_of_tests_is_near_to_what_its_programs_are_about(tmp_path: Path) -> None:
+    """A room in Ada: its tests are programs; the specification has words of its own."""
+    files = {
+        "kernel/threads.ads": "--  The queue of those that are ready\n",
+        "kernel/threads.adb": "procedure Yield is null;\n",
+        "tests/test_a.py": 'run("other")\n',
+        "tests/test_b.py": 'run("turns")\n',
+        "tests/test_c.py": 'run("other", "turns")\n',
+        "tests/programs/other/other.adb": "Clock;\n",
+        "tests/programs/turns/turns.adb": "Queues; Yield_Now;\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    room = Room("made", "kernel", "tests", "build", "test", "test --files")
+    (near,) = room.tests_near(tmp_path, "kernel/threads.adb", 1)
+    assert near.name == "test_b.py"
+    assert [path.name for path in room.read_by(near)] == ["test_b.py", "turns.adb"]
+
+
+def test_files_of_tests_pass_unchanged_once_before_they_judge(room: Room, tmp_path: Path) -> None:
+    """Two mutants that share the nearest file: build, file, then build and file for each."""
+    copy = Copy(tmp_path)
+    near = replace(room, test_files="test --files")
+    judge = Judge(near, copy, 1)  # type: ignore[arg-type]
+    for mutant in near.mutants(tmp_path)[:2]:
+        judge.outcome(mutant)
+    file = f"test --files {tmp_path / 'tests' / 'test_a.py'}"
+    assert copy.commands == ["build", file, "build", file, "build", file]
 
 
 def test_a_room_whose_tests_fail_unchanged_is_not_judged(room: Room, tmp_path: Path) -> None:

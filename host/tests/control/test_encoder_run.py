@@ -17,7 +17,8 @@ from ravenbrick.control import (
     pi_by_lambda,
     pi_diagram,
 )
-from ravenbrick.model import Execution, IntegrationMethod, SpeedLoop
+from ravenbrick.control.estimation.speed_estimators import EdgeTimes
+from ravenbrick.model import Encoder, Execution, IntegrationMethod, SpeedLoop
 
 LOOP = SpeedLoop(2.029, 0.037, 116.0)
 PI = pi_by_lambda(LOOP, 0.4).discretised(IntegrationMethod.FORWARD_EULER, 0.004)
@@ -107,3 +108,17 @@ def test_a_coarse_motor_voltage_moves_in_its_steps() -> None:
     """With one percent of 8 V as resolution every control input is a multiple of 0.08 V."""
     run = encoder_run(LOOP, CONTROLLER, 4.0, 1.0, 8, voltage_step=0.08)
     np.testing.assert_allclose(run.control / 0.08, np.round(run.control / 0.08), atol=1e-9)
+
+
+def test_a_motor_that_turns_backwards_is_seen_as_one_that_turns_forwards() -> None:
+    """By the instants of its edges, to a microsecond; with half a count of phase they mirror."""
+    forwards, backwards = (
+        encoder_run(
+            LOOP, CONTROLLER, sign * 2.0, 1.0, None, phase=0.5,
+            estimator=EdgeTimes(Encoder(phase=0.5), 1e-6),
+        )
+        for sign in (1, -1)
+    )  # fmt: skip
+    assert np.abs(forwards.speed[-100:] - 2.0).max() < 0.1
+    assert backwards.count.tolist() == (-forwards.count).tolist()
+    assert backwards.measured == pytest.approx(-forwards.measured, abs=2e-3)
