@@ -28,8 +28,8 @@ from ravenbrick.project.workspace import Workspace
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 SLOW = pytest.mark.long("builds and runs a template")
 
-# Too large for the RAM with checks; in Thumb code with checks, a branch is not resolved.
-WITHOUT_CHECKS = ("motor", "paper")
+# In Thumb code with checks, a branch is not resolved.
+WITHOUT_CHECKS = ("paper",)
 
 
 @pytest.mark.parametrize("name", sorted(TEMPLATES))
