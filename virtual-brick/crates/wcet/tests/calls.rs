@@ -135,7 +135,7 @@ fn a_fact_within_a_function_holds_in_its_calls_only() {
         let fact = "[[loop]]\nsymbol = \"counted\"\nindex = 0\niterations = 2\nwithin =";
         format!("{anywhere}{fact} \"{name}\"\n")
     };
-    for name in ["either", "*ther"] {
+    for name in ["either", "*either"] {
         let narrow = bound(&elf, "either", &within(name)).unwrap();
         assert!(narrow < wide, "{name}: {narrow} < {wide}");
         assert_eq!(
