@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,20 @@ from ravenbrick.project.robot import read_robot
 from ravenbrick.project.templates import create_project
 from ravenbrick.project.workspace import BuildKind
 
-from verification.support.bricks.observe import Brick, MotorCommand, bench
+from verification.support.bricks.observe import MOTORS, Brick, MotorCommand, bench
 from verification.support.failing_program import put_values
 
-__all__ = ["EARLIEST_MS", "Fault", "FaultyProgram", "Outcome", "faulty_program", "strike"]
+__all__ = [
+    "EARLIEST_MS",
+    "Fault",
+    "FaultyProgram",
+    "Outcome",
+    "began_ms",
+    "edit",
+    "faulty_program",
+    "outcome",
+    "strike",
+]
 
 SOURCES = Path(__file__).resolve().parent / "program"
 DUTY = 50
@@ -73,7 +83,8 @@ class FaultyProgram:
         return bytes(content)
 
 
-def _edit(file: Path, *changes: tuple[str, str]) -> None:
+def edit(file: Path, *changes: tuple[str, str]) -> None:
+    """Replace the first of each text, which must be there."""
     text = file.read_text()
     for old, new in changes:
         assert old in text, f"{file}: no {old!r}"
@@ -83,7 +94,7 @@ def _edit(file: Path, *changes: tuple[str, str]) -> None:
 
 def _with_faults(project: Path) -> None:
     """The template's control task drives the motor and has the faults."""
-    _edit(
+    edit(
         project / "src" / "tasks.adb",
         ("with NXT.AVR;", "with Faults;\nwith NXT.AVR;"),
         ("(if Now then 50 else 0)", str(DUTY)),
@@ -105,7 +116,7 @@ def _alone(project: Path) -> None:
     """Nothing but a main procedure, which drives the motor and ends."""
     for name in ("tasks.adb", "tasks.ads"):
         (project / "src" / name).unlink()
-    _edit(
+    edit(
         project / "src" / "main.adb",
         ("with NXT.AVR;", "with Faults;\nwith NXT.Motor_Controls;"),
         ("with Tasks;\npragma Unreferenced (NXT.AVR, Tasks);\n", ""),
@@ -146,18 +157,15 @@ def faulty_program(
     settings = f"{name}\nmotor_timeout_ms = {motor_timeout_ms}"
     if not supervised:
         settings += "\nwatchdog = false\nstack_check = false"
-    _edit(project / "robot.toml", (name, settings))
+    edit(project / "robot.toml", (name, settings))
     robot = read_robot(project)
     return FaultyProgram({k: build_image(workspace, robot, k).image.path for k in kinds})
 
 
-def _began_ms(brick: Brick, fault: Fault) -> float:
-    """Run until the fault has begun."""
-    at_ms = 0.0 if fault.kind == "Loop_Before_Delay" else float(EARLIEST_MS)
-    if not at_ms:
-        brick.run(1)
-    else:
-        brick.run(at_ms)
+def began_ms(brick: Brick, after_ms: float) -> float:
+    """Run until the fault has begun, which is after this instant."""
+    at_ms = after_ms
+    brick.run(max(1, at_ms))
     while not brick.integer("fault_began"):
         at_ms += STEP_MS
         if brick.run_to_end(at_ms).reason != "reached":
@@ -165,25 +173,32 @@ def _began_ms(brick: Brick, fault: Fault) -> float:
     return at_ms
 
 
+def _off_ms(commands: Sequence[MotorCommand], began_ms: float) -> float | None:
+    """When a motor was off for good, after the fault."""
+    last_on = max((i for i, c in enumerate(commands) if c.duty), default=None)
+    if last_on is None:
+        return 0.0
+    if last_on + 1 == len(commands):
+        return None
+    return max(0.0, commands[last_on + 1].at_ms - began_ms)
+
+
+def outcome(brick: Brick, began_ms: float) -> Outcome:
+    """Run on after the fault, and see when the last motor was off."""
+    brick.run_to_end(began_ms + WATCHED_MS)
+    commands = brick.motor_commands()
+    off = [_off_ms([c for c in commands if c.motor == motor], began_ms) for motor in MOTORS]
+    known = [ms for ms in off if ms is not None]
+    display = tuple(row for row in brick.text() if row)
+    return Outcome(max(known) if len(known) == len(off) else None, display, tuple(commands))
+
+
 def strike(program: FaultyProgram, fault: Fault, phase_us: int) -> Outcome:
     """Run the fault in this phase."""
     device: Any = virtual_brick.VirtualBrick(json.dumps(bench()), program.image(fault, phase_us))
     brick = Brick(device)
+    for after_ms, name, value in fault.inputs:
+        brick.set(EARLIEST_MS + phase_us / 1_000 + after_ms, name, value)
     if fault.inputs:
-        began_ms = EARLIEST_MS + phase_us / 1_000
-        for after_ms, name, value in fault.inputs:
-            brick.set(began_ms + after_ms, name, value)
-    else:
-        began_ms = _began_ms(brick, fault)
-    brick.run_to_end(began_ms + WATCHED_MS)
-    commands = [c for c in brick.motor_commands() if c.motor == "B"]
-    last_on = max((i for i, c in enumerate(commands) if c.duty), default=None)
-    off_ms: float | None
-    if last_on is None:
-        off_ms = 0.0
-    elif last_on + 1 == len(commands):
-        off_ms = None
-    else:
-        off_ms = max(0.0, commands[last_on + 1].at_ms - began_ms)
-    display = tuple(row for row in brick.text() if row)
-    return Outcome(off_ms, display, tuple(commands))
+        return outcome(brick, EARLIEST_MS + phase_us / 1_000)
+    return outcome(brick, began_ms(brick, 0 if fault.kind == "Loop_Before_Delay" else EARLIEST_MS))

@@ -28,9 +28,6 @@ from ravenbrick.project.workspace import Workspace
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 SLOW = pytest.mark.long("builds and runs a template")
 
-# Too large for the RAM with checks; in Thumb code with checks, a branch is not resolved.
-WITHOUT_CHECKS = ("motor", "paper")
-
 
 @pytest.mark.parametrize("name", sorted(TEMPLATES))
 def test_every_template_makes_a_complete_folder(name: str, tmp_path: Path) -> None:
@@ -38,7 +35,7 @@ def test_every_template_makes_a_complete_folder(name: str, tmp_path: Path) -> No
     project = create_project(tmp_path / "my-robot", name).project
     robot = read_robot(project)
     assert robot.name == "my-robot"
-    assert robot.stack_check == (name not in WITHOUT_CHECKS)
+    assert robot.stack_check
     for file in project.glob("scenarios/*.toml"):
         read_scenario(file, robot)
     wanted = ("Makefile", "robot.gpr", "README.md", "src/main.adb", ".gitignore")

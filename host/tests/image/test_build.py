@@ -115,6 +115,25 @@ def test_sources_that_are_edited_while_they_are_compiled_are_all_compiled_again(
     assert "kept.o" in (workspace.project / "found").read_text()
 
 
+def test_other_switches_in_the_project_file_compile_the_project_again(
+    workspace: Workspace, robot: Robot
+) -> None:
+    """gprbuild would keep its objects. Those of the drivers do not depend on that file."""
+    build = workspace.products
+    write_recipe(
+        workspace.project, f"for f in {build}/*/objects/* {build}/drivers/*; do touch $f/o; done"
+    )
+    build_image(workspace, robot, "ram")
+    own = sorted(build.glob("*/objects/*/o"))
+    drivers = sorted(build.glob("drivers/*/o"))
+    assert own and drivers
+    write_recipe(workspace.project, "true")
+    (workspace.project / "robot.gpr").write_text('project Robot is -- "-Os"')
+    build_image(workspace, robot, "ram")
+    assert not any(file.exists() for file in own)
+    assert all(file.exists() for file in drivers)
+
+
 def test_a_source_that_was_only_touched_is_not_built(workspace: Workspace, robot: Robot) -> None:
     """Contents count, not times."""
     build_image(workspace, robot, "ram")

@@ -100,6 +100,8 @@ def test_all_engines_count_the_same(engine: str) -> None:
         ("iterations = 40", "iterations = 5", "declared 5, seen 40 at "),
         ("iterations = 40", 'within = "workers__controlTKB"\niterations = 5',
          "declared 5, seen 40 at "),
+        ("iterations = 40", 'within = "*__controlTKB"\niterations = 5',
+         "declared 5, seen 40 at "),
         (', "workers__half"', "", "seen the target workers__half at "),
         ("[[loop]]", '[[never]]\nsymbol = "workers__seldom"\nreason = ""\n\n[[loop]]',
          "declared 0, seen 1 executions at "),

@@ -280,6 +280,9 @@ def _build(
         log = folder / "build.log"
         own = folder.parent / "objects" / settings.own_objects
         drivers = workspace.products / "drivers" / settings.objects
+        switches = {path: f[1] for path, f in manifest.files.items() if path.endswith(".gpr")}
+        compiled |= switches
+        shared |= {p: f for p, f in switches.items() if not p.endswith(f"/{PROJECT_FILE}")}
         with _same_objects(own, compiled), _same_objects(drivers, shared):
             code, output = _run(command, workspace, environment, log, lock, show)
             if is_disk_full(output):

@@ -130,15 +130,20 @@ fn a_fact_within_a_function_holds_in_its_calls_only() {
         return;
     };
     let anywhere = "[[loop]]\nsymbol = \"counted\"\nindex = 0\niterations = 15\n";
-    let within = "[[loop]]\nsymbol = \"counted\"\nindex = 0\niterations = 2\nwithin = \"either\"\n";
     let wide = bound(&elf, "either", anywhere).unwrap();
-    let narrow = bound(&elf, "either", &format!("{anywhere}{within}")).unwrap();
-    assert!(narrow < wide, "{narrow} < {wide}");
-    let facts = format!("{anywhere}{within}");
-    assert_eq!(
-        bound(&elf, "counted", anywhere).unwrap(),
-        bound(&elf, "counted", &facts).unwrap()
-    );
+    let within = |name: &str| {
+        let fact = "[[loop]]\nsymbol = \"counted\"\nindex = 0\niterations = 2\nwithin =";
+        format!("{anywhere}{fact} \"{name}\"\n")
+    };
+    for name in ["either", "*either"] {
+        let narrow = bound(&elf, "either", &within(name)).unwrap();
+        assert!(narrow < wide, "{name}: {narrow} < {wide}");
+        assert_eq!(
+            bound(&elf, "counted", anywhere).unwrap(),
+            bound(&elf, "counted", &within(name)).unwrap()
+        );
+    }
+    assert_eq!(bound(&elf, "either", &within("*other")).unwrap(), wide);
 }
 
 #[test]

@@ -130,7 +130,9 @@ fn facts_that_match_nothing_are_told_with_their_field() {
     on_all(|elf| {
         let image = Image::read(elf).unwrap();
         let facts = "[[loop]]\nfile = \"nowhere.c\"\niterations = 1\n\
-                     [[never]]\nsymbol = \"growth\"\n[[never]]\nfile = \"loops.c\"\nline = 1\n";
+                     [[never]]\nsymbol = \"growth\"\n[[never]]\nfile = \"loops.c\"\nline = 1\n\
+                     [[loop]]\nsymbol = \"fill\"\niterations = 1\nwithin = \"*_none\"\n\
+                     [[loop]]\nsymbol = \"fill\"\niterations = 1\nwithin = \"*_some\"\n";
         let facts = Annotations::parse(facts, "facts.toml").unwrap();
         let found = unmatched_facts(&facts, &image);
         let fields: Vec<_> = found.iter().map(|f| (f.table, f.index, f.field)).collect();
@@ -138,6 +140,7 @@ fn facts_that_match_nothing_are_told_with_their_field() {
             fields,
             [
                 ("loop", 0, "file"),
+                ("loop", 1, "within"),
                 ("never", 0, "symbol"),
                 ("never", 1, "line")
             ]

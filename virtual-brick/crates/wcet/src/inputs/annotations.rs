@@ -27,9 +27,9 @@ pub struct Fact {
     pub header_executions: Option<u64>,
     /// Loop: holds for each loop at a place that is none of a single loop.
     pub every: bool,
-    /// Loop: holds only in calls made by this function, directly or not.
+    /// Loop: holds only in calls made by this function, directly or not; `*end` as in `targets`.
     pub within: Option<String>,
-    /// Call: names of all functions that may be reached.
+    /// Call: names of all functions that may be reached; `*end` for all names that end so.
     pub targets: Vec<String>,
     /// Access: name of the region.
     pub region: Option<String>,

@@ -194,8 +194,8 @@ impl<'a> Facts<'a> {
     /// as the function returns on another way: the one through this loop may be none in truth.
     pub fn note_contradiction(&self, header: u32, allowed: u64, active: &[Entry], returns: bool) {
         let holds = |fact: &Fact| {
-            let within = fact.within.as_deref().map(|name| self.image.function(name));
-            within.is_none_or(|function| function.is_some_and(|f| active.contains(&f)))
+            let within = self.image.within(fact);
+            within.is_none_or(|callers| callers.iter().any(|f| active.contains(f)))
         };
         let loops = &self.annotations.loops;
         let uses = self.uses.borrow();

@@ -118,6 +118,12 @@ impl Image {
         named.map(|(address, f)| (*address, f.thumb)).collect()
     }
 
+    /// Functions in whose calls alone a fact holds; none if it holds in any.
+    pub fn within(&self, fact: &Fact) -> Option<Vec<Entry>> {
+        let name = fact.within.as_deref()?;
+        Some(self.functions(name))
+    }
+
     /// Address and size of a variable.
     pub fn variable(&self, name: &str) -> Option<(u32, u32)> {
         let symbol = self.file.symbols().get(name)?;

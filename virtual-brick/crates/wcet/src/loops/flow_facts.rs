@@ -41,10 +41,10 @@ impl Facts<'_> {
                 let Some(bound) = header_executions(self, fact, flow, forest, index) else {
                     continue;
                 };
-                match fact.within.as_deref().map(|name| self.image.function(name)) {
+                match self.image.within(fact) {
                     None => anywhere[index] = anywhere[index].or(Some(bound)),
-                    Some(Some(function)) => within.push((index, function, bound)),
-                    Some(None) => continue,
+                    Some(callers) if callers.is_empty() => continue,
+                    Some(callers) => within.extend(callers.iter().map(|f| (index, *f, bound))),
                 }
                 let known = used.entry(which).or_default();
                 let nested = known.iter().any(|other| encloses(forest, *other, index));

@@ -113,24 +113,23 @@ fn loop_facts(program: &Program<'_>, summary: &FunctionSummary) -> Vec<CountedFa
             let Some(at_most) = header_executions(facts, &fact, flow, forest, index) else {
                 continue;
             };
-            let within = fact.within.as_ref().map(|function| {
-                let (entry, _) = program.image.function(function)?;
-                Some(Within {
-                    function: function.clone(),
-                    entry,
-                    // Known when all functions have been visited.
-                    returns: Vec::new(),
-                })
+            let callers = program.image.within(&fact).map(|callers| {
+                let each = callers.iter().filter_map(|(entry, _)| {
+                    Some(Within {
+                        function: program.image.names_at(*entry).first()?.clone(),
+                        entry: *entry,
+                        // Known when all functions have been visited.
+                        returns: Vec::new(),
+                    })
+                });
+                each.map(Some).collect()
             });
-            if within == Some(None) {
-                continue;
-            }
-            let within = within.flatten();
-            if let Some(point) = loop_point(summary, index, (within, at_most)) {
-                found.push(CountedFact {
+            for within in callers.unwrap_or_else(|| vec![None]) {
+                let point = loop_point(summary, index, (within, at_most));
+                found.extend(point.map(|point| CountedFact {
                     declared: fact.iterations.unwrap_or(at_most),
                     ..counted(program, "loop", &fact, point)
-                });
+                }));
             }
         }
     }

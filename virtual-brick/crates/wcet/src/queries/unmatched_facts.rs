@@ -43,9 +43,12 @@ pub fn unmatched_facts(annotations: &Annotations, image: &Image) -> Vec<Unmatche
 
 /// The field that matches nothing, and why.
 fn mismatch(fact: &Fact, image: &Image) -> Option<(&'static str, String)> {
-    let names = [("symbol", &fact.symbol), ("within", &fact.within)];
-    for (field, name) in names {
-        if let Some(name) = name.as_ref().filter(|name| image.function(name).is_none()) {
+    let is_missing = |name: &&String| image.function(name).is_none();
+    let symbol = fact.symbol.as_ref().filter(is_missing);
+    let is_none = |name: &&String| image.functions(name).is_empty();
+    let within = fact.within.as_ref().filter(is_none);
+    for (field, name) in [("symbol", symbol), ("within", within)] {
+        if let Some(name) = name {
             return Some((field, format!("the image has no function '{name}'")));
         }
     }

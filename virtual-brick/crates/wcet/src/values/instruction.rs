@@ -312,7 +312,10 @@ impl Step<'_> {
             self.state.tested = None;
         }
         if !processing.operation.compares() {
-            let value = narrowed(outcome.value, known);
+            let value = match destination {
+                13 => self.restored_pointer(outcome.value),
+                _ => narrowed(outcome.value, known),
+            };
             self.write_moved(effects, destination, value, moved);
             let moves = processing.operation == AluOperation::Mov;
             if let (

@@ -95,8 +95,10 @@ impl Step<'_> {
         } else {
             let stored = self.stored(transfer.register);
             let known = stored.constant().is_some();
-            let saved = match (transfer.register, &address, &stored) {
-                (13, Value::Stack(word), Value::Stack(pointer)) => Some((*word, *pointer)),
+            let saved = match (&address, &stored) {
+                (Value::Stack(word), Value::Stack(pointer)) if stored == self.read(13) => {
+                    Some((*word, *pointer))
+                }
                 _ => None,
             };
             self.store(&address, transfer.width, stored);
@@ -234,6 +236,18 @@ impl Step<'_> {
                 }
             }
         }
+    }
+
+    /// What r13 becomes by a move: the pointer that was saved in the word of the stack from which
+    /// the register was loaded. Thumb code loads r13 in no other way.
+    pub fn restored_pointer(&self, moved: Value) -> Value {
+        if !matches!(moved, Value::Based(..)) {
+            return moved;
+        }
+        let words = self.state.stack_words.iter();
+        let mut loaded = words.filter(|(_, value)| **value == moved);
+        let saved = loaded.find_map(|(word, _)| self.state.saved_pointers.get(word));
+        saved.map_or(moved, |pointer| Value::Stack(*pointer))
     }
 
     pub fn store(&mut self, address: &Value, width: Width, value: Value) {

@@ -41,8 +41,9 @@ pub struct State {
     pub urgencies: Vec<u32>,
     /// The lowest that the stack pointer can be.
     pub lowest_pointer: Option<i32>,
-    /// Words of the stack to which a store of r13 wrote the stack pointer, and what it was: that of
-    /// a frame before an object whose size is computed. Nothing but a store there changes them.
+    /// Words of the stack to which a store wrote the stack pointer, and what it was: that of a
+    /// frame before an object whose size is computed. If such a word is loaded into r13, nothing
+    /// but a store there has changed it.
     pub saved_pointers: BTreeMap<i32, i32>,
     /// How many objects are entered by a function of the kernel that masks interrupts for it.
     pub mask_count: Option<u32>,

@@ -17,8 +17,12 @@ __attribute__((noipa)) static unsigned length_of(const struct bounds *of)
         return of->last - of->first + 1;
 }
 
-/* No value stays in a register of these; those of ARM state. */
+/* No value stays in a register of these; r7 is the frame's pointer in Thumb state. */
+#ifdef __thumb__
+#define REGISTERS_USED __asm__ volatile("" ::: "r4", "r5", "r6", "r8", "r9", "r10", "r11")
+#else
 #define REGISTERS_USED __asm__ volatile("" ::: "r4", "r5", "r6", "r7", "r8", "r9", "r10")
+#endif
 
 /* In each turn the object is given back: the stack pointer is saved in the frame, whose address
    the callee gets. */
