@@ -29,7 +29,8 @@ pub struct BlocksRun {
 
 impl Cpu {
     /// Runs blocks as long as the next certainly ends before `limit` and before anything can act on
-    /// the processor. Runs none where no block can be entered, or for fewer than `min_cycles`.
+    /// the processor. Runs none where no block can be entered, or for fewer than `min_cycles`. The
+    /// caller asks [`Blocks::leaves_to_reference`] before.
     pub fn run_blocks<B: BlockBus>(
         &mut self,
         bus: &mut B,
@@ -37,9 +38,6 @@ impl Cpu {
         limit: u64,
         min_cycles: u32,
     ) -> BlocksRun {
-        if blocks.budget.leaves_to_reference() {
-            return BlocksRun::default();
-        }
         let status = self.registers.status();
         let budget = bus.cycles_until_event(limit, status & psr::I == 0, status & psr::F == 0);
         if self.pipeline.attention != 0 || budget < min_cycles {
