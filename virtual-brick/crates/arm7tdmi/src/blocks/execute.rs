@@ -246,7 +246,7 @@ fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32
             } else {
                 block.worst_cycles
             };
-            run.execute(&block.ops);
+            block.execute(run);
         } else {
             let Some(whole) = run_otherwise(run, blocks, &mut number) else {
                 return;
@@ -301,6 +301,6 @@ fn run_otherwise<B: BlockBus>(
         blocks.poll_compiler(run.bus, *number);
         block = blocks.blocks.get_mut(*number as usize)?;
     }
-    run.execute(&block.ops);
+    block.execute(run);
     Some(true)
 }
