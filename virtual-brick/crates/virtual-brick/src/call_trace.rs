@@ -45,9 +45,13 @@ pub(crate) struct CallTrace {
 }
 
 impl CallTrace {
-    #[inline(always)]
+    /// Some function is traced.
+    pub(crate) fn is_active(&self) -> bool {
+        !self.functions.is_empty()
+    }
+
     pub(crate) fn traces(&self, address: u32) -> bool {
-        !self.functions.is_empty() && self.functions.contains(&address)
+        self.functions.contains(&address)
     }
 }
 

@@ -41,10 +41,9 @@ pub(crate) struct DeadEndDetector {
 }
 
 impl DeadEndDetector {
-    /// The step from the instruction at `before` may have led to a dead end.
+    /// The step from the instruction at `before` to that at `after` may have led to a dead end.
     #[inline]
-    pub(crate) fn needs_check(&self, before: u32, cpu: &Cpu) -> bool {
-        let after = cpu.next_instruction_address();
+    pub(crate) fn needs_check(&self, before: u32, after: u32) -> bool {
         (after == before) | (after < VECTORS_END) | self.arrival.is_some()
     }
 

@@ -150,12 +150,13 @@ impl FlowCounts {
         }
     }
 
+    /// Something is counted.
+    pub(crate) fn is_active(&self) -> bool {
+        !self.roles.is_empty()
+    }
+
     /// What is counted at this instruction, as the first place among the roles.
-    #[inline]
     pub(crate) fn watched(&self, address: u32) -> Option<usize> {
-        if self.roles.is_empty() {
-            return None;
-        }
         let begin = self.roles.partition_point(|role| role.0 < address);
         let role = self.roles.get(begin)?;
         (role.0 == address).then_some(begin)

@@ -115,44 +115,41 @@ impl VirtualBrick {
         let now = self.chip.now();
         let due = due.min(self.job_profile.next_change_cycles(now));
         let profiled = self.job_profile.is_active(now);
+        let runs_blocks = !O::SEES_STEPS && !profiled && self.engine != Engine::Reference;
+        let watched = profiled || self.call_trace.is_active() || self.flow_counts.is_active();
         let end = limit_cycles.min(due);
+        let mut next = self.cpu.next_instruction_address();
         while self.chip.now() < end {
             if self.chip.processor_stopped() {
                 self.chip.skip_to_next_event(end);
-                self.after_step(self.cpu.next_instruction_address())?;
+                self.after_step(next)?;
+                next = self.cpu.next_instruction_address();
                 continue;
             }
-            if !O::SEES_STEPS
-                && !profiled
-                && self.engine != Engine::Reference
-                && !self.stacks.following()
-            {
-                if let Some(instruction) = self.run_blocks(end) {
+            if runs_blocks && !self.stacks.following() && !self.blocks.leaves_to_reference() {
+                let accessed = self.run_blocks(end);
+                if let Some(instruction) = accessed {
                     self.after_step(instruction)?;
+                }
+                next = self.cpu.next_instruction_address();
+                if accessed.is_some() {
                     continue;
                 }
             }
             if observer.before_step(self) {
                 return Err(Break::Observer);
             }
-            let before = self.cpu.next_instruction_address();
-            let stack_pointer = self.cpu.register(13);
-            if self.call_trace.traces(before) {
-                self.record_call();
-            }
-            let counted = self.flow_counts.watched(before);
-            let profile = profiled.then(|| self.before_profiled_step());
-            let step = self.step(observer);
-            let step = self.semihost(step)?;
-            if let Some(profile) = profile {
-                self.after_profiled_step(&profile, step);
-            }
-            if let (Some(first), Step::Instruction) = (counted, step) {
-                self.count_instruction(first, stack_pointer);
-            }
+            let (before, stack_pointer) = (next, self.cpu.register(13));
+            let step = if watched {
+                self.watched_step(observer, profiled)?
+            } else {
+                let step = self.step(observer);
+                self.semihost(step)?
+            };
             self.after_step(before)?;
             self.check_stacks_after_step(stack_pointer);
-            if self.dead_ends.needs_check(before, &self.cpu) {
+            next = self.cpu.next_instruction_address();
+            if self.dead_ends.needs_check(before, next) {
                 self.check_dead_end(before, step)?;
             }
             if observer.after_step(self, step) {
@@ -160,6 +157,31 @@ impl VirtualBrick {
             }
         }
         Ok(())
+    }
+
+    /// A step while calls are traced, flow is counted or a job is profiled.
+    #[inline(never)]
+    fn watched_step<O: StepObserver>(
+        &mut self,
+        observer: &mut O,
+        profiled: bool,
+    ) -> Result<Step, Stop> {
+        let before = self.cpu.next_instruction_address();
+        let stack_pointer = self.cpu.register(13);
+        if self.call_trace.traces(before) {
+            self.record_call();
+        }
+        let counted = self.flow_counts.watched(before);
+        let profile = profiled.then(|| self.before_profiled_step());
+        let step = self.step(observer);
+        let step = self.semihost(step)?;
+        if let Some(profile) = profile {
+            self.after_profiled_step(&profile, step);
+        }
+        if let (Some(first), Step::Instruction) = (counted, step) {
+            self.count_instruction(first, stack_pointer);
+        }
+        Ok(step)
     }
 
     /// As far as the fast engine gets before an instruction boundary at which something besides

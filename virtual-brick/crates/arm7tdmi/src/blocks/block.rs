@@ -3,7 +3,7 @@
 //! One decoded block.
 
 use super::bus::BlockBus;
-use super::operations::run::{Op, Run, NO_TARGET};
+use super::operations::run::{Handler, Op, Run, NO_TARGET};
 
 const NO_BLOCK: u32 = u32::MAX;
 pub(super) const NO_REGION: u32 = u32::MAX;
@@ -59,6 +59,8 @@ pub(super) struct Block<B: BlockBus> {
     pub is_idempotent: bool,
     /// Times in a row that its first instruction was left to the reference engine.
     pub refusals: u8,
+    /// Handler of the first operation.
+    pub first: Handler<B>,
     pub ops: Box<[Op<B>]>,
     /// Keys and numbers of its last two successors.
     pub links: [(u32, u32); 2],
@@ -84,31 +86,50 @@ impl<B: BlockBus> Block<B> {
         }
     }
 
+    /// Runs the block up to its end or to an exit.
+    #[inline(always)]
+    pub fn execute(&self, run: &mut Run<'_, B>) {
+        (self.first)(run, &self.ops);
+    }
+
+    /// As [`Block::execute`], from the operation of this number on.
+    pub fn execute_from(&self, run: &mut Run<'_, B>, number: usize) {
+        if let Some(ops) = self.ops.get(number..) {
+            self.handler(number)(run, ops);
+        }
+    }
+
+    /// Handler of the operation of this number.
+    fn handler(&self, number: usize) -> Handler<B> {
+        let before = number
+            .checked_sub(1)
+            .and_then(|before| self.ops.get(before));
+        before.map_or(self.first, |before| before.next)
+    }
+
     /// Runs as much of the block as certainly ends within `budget` cycles. Instructions that take
     /// less than their worst case leave more to those behind. False if the block was left between
     /// two instructions.
     pub fn run_part(&self, run: &mut Run<'_, B>, budget: u32) -> bool {
         let limit = run.state.cycles + budget;
         let state = self.key & 1;
-        let (mut rest, mut worst) = (&*self.ops, 0);
+        let (mut rest, mut handler, mut worst) = (&*self.ops, self.first, 0);
         while let Some(next) = rest.first() {
             let start_cycles = run.state.cycles + u32::from(next.before);
             let left = limit - start_cycles + worst;
             let (part, behind) =
                 rest.split_at(rest.partition_point(|op| u32::from(op.worst) <= left));
-            let mut ops = part.iter();
-            let Some(op) = ops.next() else {
+            let Some(last) = part.last() else {
                 run.state.cycles = start_cycles;
                 run.state.next = next.address | state;
                 return false;
             };
             run.state.next = NO_TARGET | state;
-            (op.handler)(run, op, ops);
+            handler(run, part);
             if run.state.next != NO_TARGET | state {
                 return true;
             }
-            worst = part.last().map_or(worst, |op| u32::from(op.worst));
-            rest = behind;
+            (rest, handler, worst) = (behind, last.next, u32::from(last.worst));
         }
         true
     }

@@ -61,12 +61,12 @@ impl Budget {
     /// Called before each step or run of blocks. True if the reference engine shall step.
     #[inline(always)]
     pub fn leaves_to_reference(&mut self) -> bool {
-        self.decoding += STEP;
-        if self.steps_without_blocks == 0 {
-            return false;
+        let left = self.steps_without_blocks.checked_sub(1);
+        match left {
+            Some(left) => self.steps_without_blocks = left,
+            None => self.decoding += STEP,
         }
-        self.steps_without_blocks -= 1;
-        true
+        left.is_some()
     }
 
     /// Cycles that passed in blocks, once entered; and those of them that passed in JIT code,
@@ -83,7 +83,9 @@ impl Budget {
     pub fn affords_decoding(&mut self) -> bool {
         let affords = self.unlimited || self.decoding > 0;
         if !affords {
-            self.steps_without_blocks = STEPS_WITHOUT_BLOCKS;
+            let more = STEPS_WITHOUT_BLOCKS - self.steps_without_blocks;
+            self.steps_without_blocks += more;
+            self.decoding += i64::from(more) * STEP;
         }
         affords
     }

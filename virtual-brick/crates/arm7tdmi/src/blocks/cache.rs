@@ -109,6 +109,13 @@ impl<B: BlockBus> Blocks<B> {
             .map_or_else(Self::default, |jit| Self::with_jit(jit.new_like()))
     }
 
+    /// To be asked before each [`Cpu::run_blocks`](crate::Cpu::run_blocks), or step in its place:
+    /// true if the reference engine shall step, since decoding has cost what it may.
+    #[inline(always)]
+    pub fn leaves_to_reference(&mut self) -> bool {
+        self.budget.leaves_to_reference()
+    }
+
     /// Bytes of JIT code compiled so far.
     pub fn jit_code_bytes(&self) -> usize {
         self.jit.as_ref().map_or(0, |jit| jit.code_bytes())

@@ -204,7 +204,7 @@ impl<B: BlockBus> Blocks<B> {
             let left = budget - run.state.cycles;
             return block.run_part(run, left).then_some(exit.block);
         }
-        run.execute(block.ops.get(exit.operation as usize..)?);
+        block.execute_from(run, exit.operation as usize);
         Some(exit.block)
     }
 

@@ -29,7 +29,8 @@ pub struct BlocksRun {
 
 impl Cpu {
     /// Runs blocks as long as the next certainly ends before `limit` and before anything can act on
-    /// the processor. Runs none where no block can be entered, or for fewer than `min_cycles`.
+    /// the processor. Runs none where no block can be entered, or for fewer than `min_cycles`. The
+    /// caller asks [`Blocks::leaves_to_reference`] before.
     pub fn run_blocks<B: BlockBus>(
         &mut self,
         bus: &mut B,
@@ -37,9 +38,6 @@ impl Cpu {
         limit: u64,
         min_cycles: u32,
     ) -> BlocksRun {
-        if blocks.budget.leaves_to_reference() {
-            return BlocksRun::default();
-        }
         let status = self.registers.status();
         let budget = bus.cycles_until_event(limit, status & psr::I == 0, status & psr::F == 0);
         if self.pipeline.attention != 0 || budget < min_cycles {
@@ -248,7 +246,7 @@ fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32
             } else {
                 block.worst_cycles
             };
-            run.execute(&block.ops);
+            block.execute(run);
         } else {
             let Some(whole) = run_otherwise(run, blocks, &mut number) else {
                 return;
@@ -303,6 +301,6 @@ fn run_otherwise<B: BlockBus>(
         blocks.poll_compiler(run.bus, *number);
         block = blocks.blocks.get_mut(*number as usize)?;
     }
-    run.execute(&block.ops);
+    block.execute(run);
     Some(true)
 }

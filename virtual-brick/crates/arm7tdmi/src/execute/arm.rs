@@ -31,7 +31,7 @@ impl<B: Bus> Decoder<B> {
 
 impl Cpu {
     /// One ARM instruction: fetch ahead, test the condition, execute.
-    #[inline]
+    #[inline(always)]
     pub(super) fn execute_arm<B: Bus>(&mut self, bus: &mut B) -> Step {
         let opcode = self.fetch_ahead_arm(bus);
         if !self.condition_passes(opcode >> 28) {

@@ -10,7 +10,7 @@ use crate::registers::psr;
 
 impl Cpu {
     /// Executes one instruction or enters one exception, with all its bus cycles.
-    #[inline]
+    #[inline(always)]
     pub fn step<B: Bus>(&mut self, bus: &mut B) -> Step {
         if self.pipeline.attention != 0 || bus.irq() || bus.fiq() {
             if let Some(exception) = self.boundary(bus) {

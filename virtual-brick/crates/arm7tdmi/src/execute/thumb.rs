@@ -32,7 +32,7 @@ impl<B: Bus> Decoder<B> {
 
 impl Cpu {
     /// One Thumb instruction: fetch ahead, execute.
-    #[inline]
+    #[inline(always)]
     pub(super) fn execute_thumb<B: Bus>(&mut self, bus: &mut B) -> Step {
         let opcode = self.fetch_ahead_thumb(bus);
         let handler = (&Decoder::<B>::TABLE)[((opcode >> 6) & 0x3FF) as usize];

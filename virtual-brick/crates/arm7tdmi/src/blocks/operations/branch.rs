@@ -2,41 +2,33 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Branches, ends of blocks, and conditions of single operations.
 
-use super::run::{condition_holds, run_next, size_of, Handler, Op, Register, Rest, Run};
+use super::run::{condition_holds, first, run_next, size_of, Handler, Ops, Register, Run};
 use crate::blocks::bus::BlockBus;
 
 /// B, and the conditional branches when their condition holds: target with the state in the value.
-pub(in crate::blocks) fn branch<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
+pub(in crate::blocks) fn branch<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     run.branch(op, op.value, 0);
 }
 
 /// BL.
-pub(in crate::blocks) fn branch_link<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn branch_link<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     run.set(Register::R14, op.address.wrapping_add(4));
     run.branch(op, op.value, 0);
 }
 
 /// Both halves of the Thumb BL; the address is the second half's.
-pub(in crate::blocks) fn long_branch<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn long_branch<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     run.set(Register::R14, op.address.wrapping_add(2) | 1);
     run.branch(op, op.value, 0);
 }
 
 /// A branch to itself. With interrupts masked the reference engine executes it, since it is the end
 /// of the program.
-pub(in crate::blocks) fn branch_to_itself<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn branch_to_itself<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     if run.masked() {
         return run.exit_before(op);
     }
@@ -45,11 +37,8 @@ pub(in crate::blocks) fn branch_to_itself<B: BlockBus>(
 }
 
 /// BX to `second`.
-pub(in crate::blocks) fn exchange<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn exchange<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let value = run.get(op.second);
     let target = if value & 1 == 0 { value & !3 } else { value };
     if !run.branch_to(op, target) {
@@ -58,7 +47,8 @@ pub(in crate::blocks) fn exchange<B: BlockBus>(
 }
 
 /// MOV to r15 from `first`.
-pub(in crate::blocks) fn jump<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _rest: Rest<'_, B>) {
+pub(in crate::blocks) fn jump<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let size = size_of(run.state.next);
     let target = run.get(op.first) & !(size - 1) | run.state.next & 1;
     if !run.branch_to(op, target) {
@@ -67,11 +57,8 @@ pub(in crate::blocks) fn jump<B: BlockBus>(run: &mut Run<'_, B>, op: &Op<B>, _re
 }
 
 /// Return from an exception to `first` less the value.
-pub(in crate::blocks) fn return_to<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn return_to<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let target = run.get(op.first).wrapping_sub(op.value);
     if run.return_to(op, target) {
         run.restore_status();
@@ -81,11 +68,8 @@ pub(in crate::blocks) fn return_to<B: BlockBus>(
 }
 
 /// The second half of a Thumb BL whose first half is not before it.
-pub(in crate::blocks) fn long_branch_suffix<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn long_branch_suffix<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let target = run.get(Register::R14).wrapping_add(op.value) | 1;
     if run.branch_to(op, target) {
         run.set(Register::R14, op.address.wrapping_add(2) | 1);
@@ -95,46 +79,37 @@ pub(in crate::blocks) fn long_branch_suffix<B: BlockBus>(
 }
 
 /// An instruction that the reference engine must execute.
-pub(in crate::blocks) fn exit_to_reference<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn exit_to_reference<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     run.exit_before(op);
 }
 
 /// The end of a block without a branch.
-pub(in crate::blocks) fn fall_through<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn fall_through<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     run.state.cycles += u32::from(op.before);
     run.state.next = op.value;
 }
 
 fn conditional_branch_operation<B: BlockBus, const CONDITION: u8>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
 ) {
+    first!(ops => op);
     if condition_holds::<B, CONDITION>(run) {
         run.branch(op, op.value, 0);
     } else {
-        run_next(run, rest);
+        run_next(run, ops);
     }
 }
 
 /// Skips the next operation unless the condition holds.
-fn skip_unless<B: BlockBus, const CONDITION: u8>(
-    run: &mut Run<'_, B>,
-    _op: &Op<B>,
-    mut rest: Rest<'_, B>,
-) {
-    if !condition_holds::<B, CONDITION>(run) {
-        rest.next();
+fn skip_unless<B: BlockBus, const CONDITION: u8>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    if condition_holds::<B, CONDITION>(run) {
+        run_next(run, ops);
+    } else if let Some((_, skipped)) = ops.split_first() {
+        run_next(run, skipped);
     }
-    run_next(run, rest);
 }
 
 /// The handler of a conditional branch.

@@ -3,7 +3,7 @@
 //! Operations on registers only.
 
 use super::encoding::*;
-use super::run::{condition_holds, run_next, Handler, Op, Rest, Run};
+use super::run::{condition_holds, first, run_next, Handler, Op, Ops, Run};
 use crate::alu::{shift_by_constant, shift_by_register, Shifted};
 use crate::blocks::bus::BlockBus;
 use crate::condition::condition_passes;
@@ -99,26 +99,26 @@ const fn subtract(a: u32, b: u32) -> Sum {
 /// Data processing; `OPERATION` in the order of [`AluOperation`].
 fn data<B: BlockBus, const OPERATION: u8, const KIND: u8, const FLAGS: bool>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
 ) {
+    first!(ops => op);
     process::<B, OPERATION, KIND, FLAGS, false>(run, op);
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 /// Data processing that sets flags, and the conditional branch behind it.
 fn data_and_branch<B: BlockBus, const OPERATION: u8, const KIND: u8, const CONDITION: u8>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    mut rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
 ) {
+    first!(ops => op);
     process::<B, OPERATION, KIND, true, false>(run, op);
-    if let Some(branch) = rest.next() {
-        if condition_holds::<B, CONDITION>(run) {
-            run.branch(branch, branch.value, 0);
-        } else {
-            run_next(run, rest);
-        }
+    let behind = &ops[1..];
+    first!(behind => branch);
+    if condition_holds::<B, CONDITION>(run) {
+        run.branch(branch, branch.value, 0);
+    } else {
+        run_next(run, behind);
     }
 }
 
@@ -126,11 +126,11 @@ fn data_and_branch<B: BlockBus, const OPERATION: u8, const KIND: u8, const CONDI
 /// random conditions cost no branch misprediction of the host.
 fn data_if<B: BlockBus, const OPERATION: u8, const KIND: u8>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
 ) {
+    first!(ops => op);
     process::<B, OPERATION, KIND, false, true>(run, op);
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 #[inline(always)]
@@ -269,9 +269,9 @@ pub(in crate::blocks) fn data_and_branch_handler<B: BlockBus>(
 /// MUL and MLA: multiplicand in `first`, multiplier in `second`, addend in `third`.
 pub(in crate::blocks) fn multiply<B: BlockBus, const ACCUMULATE: bool, const FLAGS: bool>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
 ) {
+    first!(ops => op);
     let multiplier = run.get(op.second);
     let mut result = run.get(op.first).wrapping_mul(multiplier);
     if ACCUMULATE {
@@ -282,15 +282,15 @@ pub(in crate::blocks) fn multiply<B: BlockBus, const ACCUMULATE: bool, const FLA
         run.set_nz(result);
     }
     run.set(op.destination, result);
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 /// The long multiplications: lower half of the result in `third`; mode 1 sets flags.
 pub(in crate::blocks) fn multiply_long<B: BlockBus, const SIGNED: bool, const ACCUMULATE: bool>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
 ) {
+    first!(ops => op);
     let (multiplicand, multiplier) = (run.get(op.first), run.get(op.second));
     let (mut result, array) = if SIGNED {
         let product = i64::from(multiplicand as i32) * i64::from(multiplier as i32);
@@ -309,14 +309,10 @@ pub(in crate::blocks) fn multiply_long<B: BlockBus, const SIGNED: bool, const AC
     }
     run.set(op.third, result as u32);
     run.set(op.destination, (result >> 32) as u32);
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 /// An instruction of which only the fetch is left.
-pub(in crate::blocks) fn no_operation<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    _op: &Op<B>,
-    rest: Rest<'_, B>,
-) {
-    run_next(run, rest);
+pub(in crate::blocks) fn no_operation<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    run_next(run, ops);
 }

@@ -8,11 +8,21 @@ use crate::bus::Width;
 use crate::condition::passes;
 use crate::registers::{psr, RegisterFile};
 
-/// The operations that follow in a block.
-pub(in crate::blocks) type Rest<'a, B> = std::slice::Iter<'a, Op<B>>;
+/// Operations of a block, one behind the other.
+pub(in crate::blocks) type Ops<'a, B> = &'a [Op<B>];
 
-/// Executes one operation and those that follow it in the block.
-pub(in crate::blocks) type Handler<B> = fn(&mut Run<'_, B>, &Op<B>, Rest<'_, B>);
+/// Executes the first of these operations and those behind it; of none, it does nothing.
+pub(in crate::blocks) type Handler<B> = fn(&mut Run<'_, B>, Ops<'_, B>);
+
+/// The first of these operations; returns where there is none.
+macro_rules! first {
+    ($ops:ident => $op:ident) => {
+        let Some($op) = $ops.first() else {
+            return;
+        };
+    };
+}
+pub(in crate::blocks) use first;
 
 /// Number of a register, of which the compiler knows the range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +74,8 @@ impl Register {
 
 /// One operation of a block.
 pub(in crate::blocks) struct Op<B: BlockBus> {
-    pub handler: Handler<B>,
+    /// Handler of the operation behind it.
+    pub next: Handler<B>,
     /// Address of its instruction.
     pub address: u32,
     /// Constant operand, offset, target or register list.
@@ -145,24 +156,15 @@ pub(in crate::blocks) struct Run<'a, B: BlockBus> {
     pub bus: &'a mut B,
 }
 
-/// Continues with the next operation of the block. A block's last operation does not call this.
+/// Continues behind the first of these operations. A block's last operation does not call this.
 #[inline(always)]
-pub(in crate::blocks) fn run_next<B: BlockBus>(run: &mut Run<'_, B>, mut rest: Rest<'_, B>) {
-    if let Some(op) = rest.next() {
-        (op.handler)(run, op, rest);
+pub(in crate::blocks) fn run_next<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    if let Some((op, behind)) = ops.split_first() {
+        (op.next)(run, behind);
     }
 }
 
 impl<B: BlockBus> Run<'_, B> {
-    /// Executes operations up to the end of their block or to an exit.
-    #[inline(always)]
-    pub fn execute(&mut self, ops: &[Op<B>]) {
-        let mut ops = ops.iter();
-        if let Some(op) = ops.next() {
-            (op.handler)(self, op, ops);
-        }
-    }
-
     /// Tells the bus of cycles in which instructions were executed.
     #[inline(always)]
     pub fn pass(&mut self, cycles: u32) {

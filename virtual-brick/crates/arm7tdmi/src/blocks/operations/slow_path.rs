@@ -4,7 +4,7 @@
 //! afterwards anything can be due, unless the rest of the block still ends before that.
 
 use super::encoding::{extended, width, WRITE_BACK};
-use super::run::{opcodes, run_next, size_of, End, Op, Rest, Run, NO_MASKS};
+use super::run::{first, opcodes, run_next, size_of, End, Op, Ops, Run, NO_MASKS};
 use crate::blocks::bus::{BlockBus, BusAccess};
 use crate::bus::{Cycle, Width};
 
@@ -13,10 +13,10 @@ use crate::bus::{Cycle, Width};
 #[inline(never)]
 pub(in crate::blocks) fn load<B: BlockBus, const ITEM: u8>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
     (at, moved): (u32, u32),
 ) {
+    first!(ops => op);
     if !run.begin_access(op, at, width(ITEM), false) {
         return;
     }
@@ -28,7 +28,7 @@ pub(in crate::blocks) fn load<B: BlockBus, const ITEM: u8>(
     match loaded {
         Ok(value) => {
             run.set(op.destination, extended(ITEM, value));
-            run.continue_behind(op, rest);
+            run.continue_behind(ops);
         }
         Err(_) => run.end = End::Aborted,
     }
@@ -39,10 +39,10 @@ pub(in crate::blocks) fn load<B: BlockBus, const ITEM: u8>(
 #[inline(never)]
 pub(in crate::blocks) fn store<B: BlockBus, const ITEM: u8>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
     (at, moved): (u32, u32),
 ) {
+    first!(ops => op);
     let value = run.get(op.destination);
     if !run.begin_access(op, at, width(ITEM), true) {
         return;
@@ -53,7 +53,7 @@ pub(in crate::blocks) fn store<B: BlockBus, const ITEM: u8>(
         run.set(op.first, moved);
     }
     match stored {
-        Ok(()) => run.continue_behind(op, rest),
+        Ok(()) => run.continue_behind(ops),
         Err(_) => run.end = End::Aborted,
     }
 }
@@ -84,7 +84,8 @@ impl<B: BlockBus> Run<'_, B> {
 
     /// Executes what is left of the block behind an access, if it certainly ends before anything
     /// is due.
-    fn continue_behind(&mut self, op: &Op<B>, rest: Rest<'_, B>) {
+    fn continue_behind(&mut self, ops: Ops<'_, B>) {
+        first!(ops => op);
         let through = u32::from(op.through);
         let left = self.worst_cycles - through;
         if self.fetched.is_some() || self.bus.needs_attention() || left > self.budget {
@@ -98,7 +99,7 @@ impl<B: BlockBus> Run<'_, B> {
         self.budget = budget;
         self.end = End::Reached;
         self.told_cycles = through;
-        run_next(self, rest);
+        run_next(self, ops);
         self.state.cycles -= std::mem::take(&mut self.told_cycles);
     }
 }

@@ -3,7 +3,7 @@
 //! Status registers: MRS, MSR, returns from exceptions. An instruction that
 //! changes masks, mode or bank ends its block, since afterwards an interrupt can be due.
 
-use super::run::{run_next, size_of, End, Op, Rest, Run, NO_MASKS};
+use super::run::{first, run_next, size_of, End, Op, Ops, Run, NO_MASKS};
 use crate::blocks::bus::BlockBus;
 use crate::blocks::state::NO_ADDRESS;
 use crate::registers::psr;
@@ -14,25 +14,19 @@ pub(in crate::blocks) const OF_CONSTANT: u8 = 1 << 5;
 const FIELDS: u8 = 0xF;
 
 /// MRS of CPSR.
-pub(in crate::blocks) fn read_status<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn read_status<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let status = run.status();
     run.set(op.destination, status);
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 /// MRS of SPSR.
-pub(in crate::blocks) fn read_saved_status<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn read_saved_status<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let status = run.file.saved_status().unwrap_or_else(|| run.status());
     run.set(op.destination, status);
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 fn value_to_write<B: BlockBus>(run: &Run<'_, B>, op: &Op<B>) -> u32 {
@@ -44,23 +38,17 @@ fn value_to_write<B: BlockBus>(run: &Run<'_, B>, op: &Op<B>) -> u32 {
 }
 
 /// MSR to SPSR.
-pub(in crate::blocks) fn write_saved_status<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn write_saved_status<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let value = value_to_write(run, op);
     run.file
         .write_saved_status(u32::from(op.mode & FIELDS), value);
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 /// MSR to CPSR; the reference engine changes the state bit, which programs must not do.
-pub(in crate::blocks) fn write_status<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn write_status<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let value = value_to_write(run, op);
     let old = run.status();
     run.file.set_flags(old);

@@ -4,7 +4,7 @@
 //! the instruction has changed anything.
 
 use super::encoding::*;
-use super::run::{run_next, size_of, Handler, Op, Rest, Run};
+use super::run::{first, run_next, size_of, Handler, Op, Ops, Run};
 use super::slow_path;
 use crate::alu::shift_by_constant;
 use crate::blocks::bus::{BlockBus, PlainRead, PlainWords};
@@ -43,66 +43,57 @@ fn address<B: BlockBus, const ADDRESSING: u8>(run: &Run<'_, B>, op: &Op<B>) -> (
     }
 }
 
-fn load<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
-) {
+fn load<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let (at, moved) = address::<B, ADDRESSING>(run, op);
     let Some(value) = run.bus.ram_read(at, width(ITEM)) else {
-        return load_outside_ram::<B, ITEM>(run, op, rest, (at, moved));
+        return load_outside_ram::<B, ITEM>(run, ops, (at, moved));
     };
     run.state.cycles += u32::from(op.cycles);
     if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
     run.set(op.destination, extended(ITEM, value));
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 /// A load that is not from RAM.
 #[inline(never)]
 fn load_outside_ram<B: BlockBus, const ITEM: u8>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
     (at, moved): (u32, u32),
 ) {
+    first!(ops => op);
     let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(ITEM)) else {
-        return slow_path::load::<B, ITEM>(run, op, rest, (at, moved));
+        return slow_path::load::<B, ITEM>(run, ops, (at, moved));
     };
     run.state.cycles += cycles + 1;
     if op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
     run.set(op.destination, extended(ITEM, value));
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
-fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
-) {
+fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let (at, moved) = address::<B, ADDRESSING>(run, op);
     let value = run.get(op.destination);
     if !run.bus.ram_write(at, width(ITEM), value) {
-        return slow_path::store::<B, ITEM>(run, op, rest, (at, moved));
+        return slow_path::store::<B, ITEM>(run, ops, (at, moved));
     }
     run.state.cycles += u32::from(op.cycles);
     run.state.after_store = op.address;
     if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
-    run_next(run, rest);
+    run_next(run, ops);
 }
 
 /// LDR to r15: a branch in ARM state.
-fn load_branch<B: BlockBus, const ADDRESSING: u8>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    _rest: Rest<'_, B>,
-) {
+fn load_branch<B: BlockBus, const ADDRESSING: u8>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let (at, moved) = address::<B, ADDRESSING>(run, op);
     let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, Width::Word) else {
         return run.exit_before(op);
@@ -166,9 +157,9 @@ pub(in crate::blocks) const RETURNS: u8 = 2;
 /// LDM.
 pub(in crate::blocks) fn load_block<B: BlockBus, const FINISH: u8>(
     run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
+    ops: Ops<'_, B>,
 ) {
+    first!(ops => op);
     let (at, moved) = block_address(run, op);
     let count = u32::from(op.amount);
     if FINISH != FALLS_THROUGH {
@@ -197,18 +188,15 @@ pub(in crate::blocks) fn load_block<B: BlockBus, const FINISH: u8>(
         list &= list.wrapping_sub(1);
     }
     match FINISH {
-        FALLS_THROUGH => run_next(run, rest),
+        FALLS_THROUGH => run_next(run, ops),
         RETURNS => run.restore_status(),
         _ => {}
     }
 }
 
 /// STM.
-pub(in crate::blocks) fn store_block<B: BlockBus>(
-    run: &mut Run<'_, B>,
-    op: &Op<B>,
-    rest: Rest<'_, B>,
-) {
+pub(in crate::blocks) fn store_block<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
+    first!(ops => op);
     let (at, moved) = block_address(run, op);
     let count = u32::from(op.amount);
     let Some(PlainWords { words, cycles }) = run.bus.plain_words_mut(at, count) else {
@@ -227,5 +215,5 @@ pub(in crate::blocks) fn store_block<B: BlockBus>(
     }
     run.state.cycles += count * cycles;
     run.state.after_store = op.address;
-    run_next(run, rest);
+    run_next(run, ops);
 }

@@ -18,6 +18,8 @@ use crate::instruction::{AluOperation, Instruction, Operation, ALWAYS};
 
 /// The operations of a block.
 pub(in crate::blocks) struct Built<B: BlockBus> {
+    /// Handler of the first.
+    pub first: Handler<B>,
     pub ops: Vec<Op<B>>,
     /// Index of each instruction's first operation.
     pub starts: Vec<u32>,
@@ -39,6 +41,7 @@ pub(super) struct Builder<'a, B: BlockBus> {
     worst: u16,
     /// Operation and kind of operand of the last instruction, if it always sets flags.
     comparison: Option<(AluOperation, u8)>,
+    first: Handler<B>,
     ops: Vec<Op<B>>,
 }
 
@@ -53,7 +56,7 @@ pub(in crate::blocks) fn translate<B: BlockBus>(
     }
     let source = read_source(bus, key, place);
     let worst_cycles = *source.worst_cycles.last()?;
-    let ops = build(bus, &source).ops;
+    let Built { first, ops, .. } = build(bus, &source);
     let (size, count) = (size_of(key), source.instructions.len() as u32);
     // Stores near the end could change what was fetched ahead already.
     let mut last = source.instructions.iter().rev().take(2);
@@ -68,6 +71,7 @@ pub(in crate::blocks) fn translate<B: BlockBus>(
         worst_cycles,
         is_idempotent: is_idempotent(&source.instructions),
         refusals: 0,
+        first,
         ops: ops.into_boxed_slice(),
         links: [(u32::MAX, 0); 2],
         jit: JitState::cold(place.halfword, 0, 0),
@@ -86,6 +90,7 @@ pub(in crate::blocks) fn build<B: BlockBus>(bus: &B, source: &Source) -> Built<B
         through: 0,
         worst: 0,
         comparison: None,
+        first: exit_to_reference,
         ops: Vec::with_capacity(source.instructions.len() + 1),
     };
     let worst = worst_cycles_at_exits(source, &live_flags);
@@ -111,6 +116,7 @@ pub(in crate::blocks) fn build<B: BlockBus>(bus: &B, source: &Source) -> Built<B
         builder.push(fall_through).value = next;
     }
     Built {
+        first: builder.first,
         ops: builder.ops,
         starts,
         live_flags,
@@ -133,8 +139,9 @@ fn worst_cycles_at_exits(source: &Source, live_flags: &[bool]) -> Vec<u16> {
 impl<B: BlockBus> Builder<'_, B> {
     pub(super) fn push(&mut self, handler: Handler<B>) -> &mut Op<B> {
         let index = self.ops.len();
+        *self.handler_mut(index) = handler;
         self.ops.push(Op {
-            handler,
+            next: exit_to_reference,
             address: self.address,
             value: 0,
             before: self.before,
@@ -149,6 +156,14 @@ impl<B: BlockBus> Builder<'_, B> {
             worst: self.worst,
         });
         &mut self.ops[index]
+    }
+
+    /// Handler of the operation of this number, which the one before it keeps.
+    fn handler_mut(&mut self, number: usize) -> &mut Handler<B> {
+        match number.checked_sub(1) {
+            Some(before) => &mut self.ops[before].next,
+            None => &mut self.first,
+        }
     }
 
     /// The reference engine must execute the instruction.
@@ -280,10 +295,10 @@ impl<B: BlockBus> Builder<'_, B> {
         let Some((operation, kind)) = self.comparison else {
             return;
         };
-        let before = self.ops.len().wrapping_sub(2);
+        let before = self.ops.len().checked_sub(2);
         let joined = data_and_branch_handler(operation, kind, condition);
-        if let (Some(handler), Some(op)) = (joined, self.ops.get_mut(before)) {
-            op.handler = handler;
+        if let (Some(handler), Some(number)) = (joined, before) {
+            *self.handler_mut(number) = handler;
         }
     }
 
