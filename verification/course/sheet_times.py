@@ -99,9 +99,9 @@ def page(rows: list[Row]) -> str:
     lines += [f"| {r.rubric} | {r.points:g} | {r.runs} | {r.seconds:.2f} |" for r in rows]
     lines += [
         "",
-        f"The mean is {mean:.2f} s (goal: {goal:.2f}). {STUDENTS} students with {SHEETS} sheets take",
-        f"{minutes:.0f} minutes on {PROCESSORS} processors (goal: {GOAL_MINUTES}), if both are used",
-        "all the time.",
+        f"The mean is {mean:.2f} s (goal: {goal:.2f}). {STUDENTS} students, each with {SHEETS}",
+        f"sheets, take {minutes:.0f} minutes on {PROCESSORS} processors that are used all the time",
+        f"(goal: {GOAL_MINUTES}).",
     ]
     return "\n".join([*lines, ""])
 

@@ -14,7 +14,6 @@ from typing import Any
 from verification.commands import Counts, NoResultError
 from verification.support.paths import ROOT
 
-
 Case = dict[str, Any]
 NO_FIREFOX = "no second browser: install the Debian package firefox-esr"
 

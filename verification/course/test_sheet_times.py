@@ -12,4 +12,4 @@ def test_a_class_takes_what_the_mean_of_the_sheets_makes_of_it() -> None:
     text = page([Row("lab-01", 10, 2, 0.5), Row("lab-02", 10, 4, 1.5)])
     assert "| lab-02 | 10 | 4 | 1.50 |" in text
     assert "The mean is 1.00 s (goal: 1.07)." in text
-    assert "\n38 minutes on 2 processors (goal: 40)" in text
+    assert "sheets, take 38 minutes on 2 processors" in text and "\n(goal: 40).\n" in text
