@@ -212,9 +212,9 @@ export async function build(project: string): Promise<string> {
   return project;
 }
 
-/** What axe finds wrong in the page and its frames: rule and elements. */
-export async function violations(page: Page): Promise<string[]> {
-  for (const frame of page.frames()) await frame.evaluate(axe.source);
+/** What axe finds wrong in the page, and in its frames if they are given: rule and elements. */
+export async function violations(page: Page, frames = [page.mainFrame()]): Promise<string[]> {
+  for (const frame of frames) await frame.evaluate(axe.source);
   const found = await page.evaluate(async () => {
     const { axe: judge } = globalThis as unknown as { axe: typeof axe };
     const { violations } = await judge.run(document);

@@ -238,7 +238,7 @@ describe("a sheet", () => {
       test(`${name} and its brick fit and have no violation, ${how}`, async ({ browser }) => {
         const page = await sheetOf(browser, name, options);
         expect(Math.max(...(await overflows(page)))).toBeLessThanOrEqual(0);
-        expect(await violations(page)).toEqual([]);
+        expect(await violations(page, page.frames())).toEqual([]);
         await picture(page, name, how);
         await page.context().close();
       });
