@@ -1,5 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
+const NAMES = {
+  ".mobile-header": "Site",
+  ".sidebar-drawer": "Pages",
+  "[role=main]": "Text",
+  ".toc-drawer": "On this page",
+};
+
 // A box takes the focus while it is narrower than its content: then its bar is for keys, too.
 const boxes = new ResizeObserver((changed) => {
   for (const { target } of changed) {
@@ -9,12 +16,16 @@ const boxes = new ResizeObserver((changed) => {
 });
 
 // What the theme leaves out for a keyboard and for a screen reader: boxes that scroll take the
-// focus, titles of the list of pages have a level, the two side bars have names.
+// focus, titles of the list of pages have a level, the parts of the page have names, since a brick
+// in its frame has the same parts, and the way back to the top belongs to one of them.
 addEventListener("DOMContentLoaded", () => {
   for (const box of document.querySelectorAll("pre, .table-wrapper, .formula")) boxes.observe(box);
   for (const title of document.querySelectorAll(".caption[role=heading]")) title.ariaLevel = "2";
-  document.querySelector(".sidebar-drawer")?.setAttribute("aria-label", "Pages");
-  document.querySelector(".toc-drawer")?.setAttribute("aria-label", "On this page");
+  for (const [part, name] of Object.entries(NAMES)) {
+    document.querySelector(part)?.setAttribute("aria-label", name);
+  }
+  const top = document.querySelector(".back-to-top");
+  if (top) document.querySelector("[role=main]")?.prepend(top);
 });
 
 // The site without a network: after the first page has loaded, the service worker loads the rest.

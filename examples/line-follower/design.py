@@ -119,7 +119,8 @@ def main() -> None:
     arguments = parser.parse_args()
     speed = WHEEL_RADIUS * NXT_MOTOR.gain * CRUISE_VOLTAGE
     gain = round(proportional_gain(speed), 4)
-    code = generate_c(controller(gain))
+    steering = controller(gain)
+    code = generate_c(steering)
     code.write(arguments.generated)
     numbers = (
         NamedNumber("Sample_Time_Ms", SAMPLE_TIME_MS, "Period of the control task, ms."),
@@ -134,8 +135,9 @@ def main() -> None:
     loops = closed_loops(speed, gain)
     figures["largest_sampled_pole"] = float(max(abs(loops[1].poles())))
     if arguments.results:
+        opened = open_loop(speed, gain)
         write_loop_results(
-            arguments.results, "line-follower", loops, figures, 3.0, open_loop(speed, gain)
+            arguments.results, "line-follower", loops, figures, 3.0, opened, steering
         )
     for name, value in figures.items():
         print(f"{name:40} {value:.6g}")

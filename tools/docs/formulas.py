@@ -20,7 +20,7 @@ __all__ = ["FORMULA_STYLE", "formula", "markdown", "setup"]
 
 POINTS_PER_EM = 24  # the size at which ziamath draws
 FORMULA_STYLE = """
-.formula { white-space: nowrap }
+.formula { white-space: nowrap; position: relative }
 .formula svg { overflow: visible; fill: currentColor }
 div.formula { text-align: center; margin: 1em 0; overflow-x: auto; overflow-y: hidden }
 .formula math { position: absolute; width: 1px; height: 1px; overflow: hidden;

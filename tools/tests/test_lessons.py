@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,7 @@ from tools.docs.lessons import (
     steps,
     teaching_page,
 )
+from tools.docs.site.bricks import EXAMPLES, shown_on
 
 QUICK = ("03-identification.md", "12-ravenscar.md")
 ALL = find([])
@@ -51,6 +53,18 @@ def test_a_sheet_has_all_its_parts(sheet: Path) -> None:
     assert re.search(r"^1\. ", part(text, "Discussion"), re.MULTILINE)
     assert re.search(r"\b(19|20)\d\d\b", part(text, "Sources"))
     assert "../teaching" not in text
+
+
+@pytest.mark.parametrize("sheet", ALL, ids=lambda sheet: sheet.stem)
+def test_the_brick_of_a_sheet_asks_before_it_runs(sheet: Path) -> None:
+    """In its scenario, which a step writes or the example has."""
+    for shown in shown_on(sheet):
+        name = f"{shown.project}/scenarios/{shown.scenario}.toml"
+        written = [step.content for step in steps(shown.steps) if step.argument == name]
+        file = EXAMPLES / shown.example / "scenarios" / f"{shown.scenario}.toml"
+        scenario = tomllib.loads(written[0] if written else file.read_text("utf-8"))
+        assert scenario["questions"], name
+    assert shown_on(sheet)
 
 
 @pytest.mark.parametrize("sheet", ALL, ids=lambda sheet: sheet.stem)

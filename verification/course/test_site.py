@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What becomes of Vitest's report about the site."""
+"""What becomes of Vitest's report about site and studio."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from verification.course.site import counts_of_site
+from verification.course.site import NO_FIREFOX, counts_of_site, counts_of_studio
 
 
 def case(status: str = "passed", **meta: Any) -> dict[str, Any]:
@@ -30,6 +30,12 @@ def test_failed_and_skipped_cases_of_the_site_are_not_passed() -> None:
     """A load is not judged: a failed case has none."""
     counts = counts_of_site([case(), case("failed"), case("skipped")])
     assert (counts.case_count, counts.passed, counts.judged) == (3, 1, 2)
-    assert (
-        counts.failures == ["a brick moves"] and len(counts.excluded) == 1 and not counts.measured
-    )
+    assert counts.failures == ["a brick moves"] and not counts.measured
+    assert counts.excluded == [{"count": 1, "reason": NO_FIREFOX}]
+
+
+def test_the_row_of_the_studio_says_how_long_an_edit_takes_to_move() -> None:
+    """As the page says it."""
+    counts = counts_of_studio([case(edit="built in 2.3 s, runs 0.6 s later"), case()])
+    assert counts.passed == 2
+    assert counts.measured == ["after Ctrl+S: built in 2.3 s, runs 0.6 s later"]

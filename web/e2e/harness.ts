@@ -13,12 +13,13 @@ import {
   type BrowserContext,
   type BrowserContextOptions,
   type ConsoleMessage,
+  type Frame,
   type Page,
 } from "playwright-core";
 import { expect, test as base } from "vitest";
 
 export const ROOT = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
-const PICTURES = join(ROOT, "out", "page");
+export const PICTURES = join(ROOT, "out", "page");
 export const COMMAND = join(ROOT, ".venv", "bin", "ravenbrick");
 export const VEHICLE = "examples/vehicle";
 const BROWSERS = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
@@ -211,9 +212,9 @@ export async function build(project: string): Promise<string> {
   return project;
 }
 
-/** What axe finds wrong: rule and elements. */
-export async function violations(page: Page): Promise<string[]> {
-  await page.evaluate(axe.source);
+/** What axe finds wrong in the page, and in its frames if they are given: rule and elements. */
+export async function violations(page: Page, frames = [page.mainFrame()]): Promise<string[]> {
+  for (const frame of frames) await frame.evaluate(axe.source);
   const found = await page.evaluate(async () => {
     const { axe: judge } = globalThis as unknown as { axe: typeof axe };
     const { violations } = await judge.run(document);
@@ -256,7 +257,7 @@ export async function virtualTime(page: Page): Promise<number> {
 }
 
 /** Wait until the page's virtual time has passed an instant. */
-export async function waitUntil(page: Page, seconds: number): Promise<void> {
+export async function waitUntil(page: Page | Frame, seconds: number): Promise<void> {
   await page.waitForFunction(
     (end) => Number.parseFloat(document.querySelector("#time")?.textContent ?? "0") >= end,
     seconds,

@@ -21,6 +21,7 @@ from ravenbrick.atomic_write import atomic_write
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.brick.session import session_of
 from ravenbrick.cli.view import page_files, project_files
+from ravenbrick.image.design_script import DESIGN_SCRIPT
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.packed_files import with_scripts
 from ravenbrick.project.robot import Robot, read_robot
@@ -64,11 +65,14 @@ def _ravenbrick(*words: object) -> subprocess.CompletedProcess[str]:
 
 
 def prepare(folder: Path) -> None:
-    """Build a project and bound its response times. A program may have none: its sheet says so."""
-    done = _ravenbrick("build", folder)
-    if done.returncode != 0:
-        raise RuntimeError(f"{folder}: cannot be built:\n{done.stdout}{done.stderr}")
+    """Build a project, with the figures of its design, which a project just copied lacks, and
+    bound its response times. A program may have none: its sheet says so."""
     workspace = Workspace.of(folder)
+    has_figures = workspace.design_file.is_file() or not (folder / DESIGN_SCRIPT).is_file()
+    for word in ("build",) if has_figures else ("design", "build"):
+        done = _ravenbrick(word, folder)
+        if done.returncode != 0:
+            raise RuntimeError(f"{folder}: {word} failed:\n{done.stdout}{done.stderr}")
     image = read_image(workspace.image("ram", read_robot(folder).name))
     if not own_bounds(workspace.results / BOUNDS, image):
         _ravenbrick("analyse", folder)

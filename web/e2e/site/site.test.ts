@@ -2,18 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 /** The site of `make docs` as a reader gets it: from a plain file server, then without one. */
 import { execFile } from "node:child_process";
-import { copyFileSync, cpSync, mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import {
+  copyFileSync,
+  cpSync,
+  existsSync,
+  mkdtempSync,
+  readdirSync,
+  readFileSync,
+  rmSync,
+} from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { promisify } from "node:util";
 import { gzipSync } from "node:zlib";
-import type { Page } from "playwright-core";
+import { firefox, type Browser, type BrowserContextOptions, type Page } from "playwright-core";
 import { beforeAll, describe, expect } from "vitest";
 import {
   COMMAND,
   download,
+  PICTURES,
   ROOT,
-  screenshot,
   started,
   startedIn,
   test,
@@ -30,6 +38,14 @@ const BRICKS = join(SITE, "_static", "bricks");
 const STEPPED = join(ROOT, "build", "site");
 const MADE = ["build", "out"];
 const PHONE = { width: 390, height: 844 };
+/** How the sheets are looked at; the words stand in the names of the pictures. */
+const VIEWS = {
+  desktop: { viewport: { width: 1280, height: 900 } },
+  phone: { viewport: PHONE },
+  dark: { viewport: PHONE, colorScheme: "dark" },
+} as const;
+/** The second browser: Debian's package, by the protocol that browsers share (WebDriver BiDi). */
+const FIREFOX = "/usr/bin/firefox-esr";
 declare module "vitest" {
   /** Measured, not judged: verification/course/site.py puts it into the row of the results. */
   interface TaskMeta {
@@ -53,6 +69,7 @@ interface Session {
   project: string;
   digest?: string;
   locally: { template: string | null };
+  tunables: { path: string }[];
 }
 
 const sessionOf = (name: string) =>
@@ -61,6 +78,20 @@ const bricks = readdirSync(BRICKS).sort();
 const sheets = readdirSync(join(SITE, "lessons")).filter((name) => /^\d\d-.*\.html$/.test(name));
 
 const brickPage = (name: string) => `${server.address}_static/brick/index.html?brick=${name}`;
+
+/** Answer what the page asks before the run with any number; how many questions these are. */
+async function predict(page: Page): Promise<number> {
+  const questions = await page.locator("#prediction fieldset").all();
+  for (const question of questions) {
+    for (const field of await question.getByRole("spinbutton").all()) {
+      await field.fill((await field.getAttribute("max")) ?? "1");
+    }
+    const add = question.getByRole("button", { name: "Add point" });
+    if (await add.isVisible()) await add.click();
+    await question.getByText(/^Fix my/).click();
+  }
+  return questions.length;
+}
 
 /** Run a brick's page to its end as fast as it goes. */
 async function runToEnd(page: Page): Promise<string> {
@@ -71,7 +102,7 @@ async function runToEnd(page: Page): Promise<string> {
 }
 
 /** Bring the brick of a sheet into view and wait until its virtual time passes. */
-async function watchItMove(page: Page): Promise<void> {
+async function watchItMove(page: Page, seconds = 0): Promise<void> {
   const frame = page.locator("figure.brick iframe").first();
   await frame.scrollIntoViewIfNeeded();
   const brick = page.frameLocator("figure.brick iframe").first();
@@ -79,15 +110,31 @@ async function watchItMove(page: Page): Promise<void> {
   await run.waitFor();
   if ((await run.textContent()) === "Run") await run.click();
   await brick.locator("#time", { hasText: /[1-9]/ }).waitFor();
+  for (const shown of page.frames().slice(1)) await waitUntil(shown, seconds);
 }
 
 describe("a brick of the site", () => {
   for (const name of bricks) {
     const { digest } = sessionOf(name);
-    test.runIf(digest)(`${name} gives the native run's digest`, async ({ open }) => {
+    const words = `${name} gives the native run's digest and answers its questions`;
+    test.runIf(digest)(words, async ({ open }) => {
       const { page, requests } = await open(brickPage(name));
+      const asked = await predict(page);
       expect(await runToEnd(page)).toBe(`The same run again: trace digest ${digest}`);
+      const answers = page.locator("#prediction .answer", { hasText: /Measured|difference/ });
+      await expect.poll(() => answers.count()).toBe(asked);
       expect(requests.filter((request) => !request.startsWith(server.address))).toEqual([]);
+    });
+  }
+});
+
+describe("a controller of the site", () => {
+  const isGenerated = (name: string) =>
+    sessionOf(name).tunables.some(({ path }) => path.startsWith("functional_P"));
+  for (const name of bricks.filter(isGenerated)) {
+    test(`${name} has its diagram`, () => {
+      const design = JSON.parse(readFileSync(join(BRICKS, name, "design.json"), "utf-8")) as object;
+      expect(design).toHaveProperty("diagram", expect.stringContaining("<svg"));
     });
   }
 });
@@ -161,19 +208,57 @@ describe("the first page", () => {
   });
 });
 
+/** Open a sheet and run its brick for a second. */
+async function sheetOf(browser: Browser, name: string, options: BrowserContextOptions) {
+  const context = await browser.newContext(options);
+  context.setDefaultTimeout(TIMEOUT_MS);
+  const page = await context.newPage();
+  await page.goto(`${server.address}lessons/${name}`);
+  await watchItMove(page, 0.9);
+  return page;
+}
+
+/** A picture of a sheet's brick for a person to look at: out/page/brick-<sheet>-<how>.png. */
+async function picture(page: Page, name: string, how: string): Promise<void> {
+  const path = join(PICTURES, `brick-${name.replace(".html", "")}-${how}.png`);
+  await page.locator("figure.brick").first().screenshot({ path });
+}
+
+/** By how much page and frames are wider than they may be. */
+const overflows = (page: Page) =>
+  Promise.all(
+    page.frames().map((frame) =>
+      frame.evaluate(() => document.documentElement.scrollWidth - innerWidth),
+    ),
+  );
+
 describe("a sheet", () => {
   for (const name of sheets) {
-    for (const colorScheme of ["light", "dark"] as const) {
-      test(`${name} has no violation, ${colorScheme}`, async ({ browser }) => {
-        const context = await browser.newContext({ colorScheme, viewport: PHONE });
-        const page = await context.newPage();
-        await page.goto(`${server.address}lessons/${name}`);
-        expect(await violations(page)).toEqual([]);
-        await screenshot(page, `site-${name.replace(".html", "")}-${colorScheme}`, false);
-        await context.close();
+    for (const [how, options] of Object.entries(VIEWS)) {
+      test(`${name} and its brick fit and have no violation, ${how}`, async ({ browser }) => {
+        const page = await sheetOf(browser, name, options);
+        expect(Math.max(...(await overflows(page)))).toBeLessThanOrEqual(0);
+        expect(await violations(page, page.frames())).toEqual([]);
+        await picture(page, name, how);
+        await page.context().close();
       });
     }
   }
+});
+
+describe("Firefox", () => {
+  test.runIf(existsSync(FIREFOX))("gives the native run's digests", async () => {
+    const options = { channel: "moz-firefox", executablePath: FIREFOX };
+    const browser = await firefox.launch(options);
+    for (const name of ["vehicle-drive", "balancer-let-go"]) {
+      const page = await browser.newPage();
+      await page.goto(brickPage(name));
+      expect(await runToEnd(page)).toContain(String(sessionOf(name).digest));
+    }
+    const page = await sheetOf(browser, sheets[0] ?? "", VIEWS.desktop);
+    await picture(page, sheets[0] ?? "", "firefox");
+    await browser.close();
+  });
 });
 
 describe("without a network", () => {
