@@ -22,7 +22,8 @@ FACTOR = 0.25
 def _edits(version: str) -> Edits:
     """The project after the step that makes the version, or after the whole solution."""
     files = {name.removeprefix("lab15/"): text for name, text in files_of(SHEET).items()}
-    files["src/tasks.adb"] = (project("blank") / "src/tasks.adb").read_text("utf-8")
+    for name in ("src/tasks.adb", "timing.toml"):
+        files[name] = (project("blank") / name).read_text("utf-8")
     last = {
         SHARED: ("src/tasks.adb", 1),
         PACKED: ("src/filters.ads", 2),
