@@ -134,6 +134,7 @@ fn operands_and_addresses_from_the_program_counter_do_as_in_single_steps() {
         0xE79F_0121, // ldr r0, [pc, r1, lsr #2]
         0xE49F_0004, // ldr r0, [pc], #4
         0xE5BF_0004, // ldr r0, [pc, #4]!
+        0xE41F_0008, // ldr r0, [pc], #-8
     ] {
         let opcodes = [
             0xE3A0_1008, // mov r1, #8
@@ -163,8 +164,11 @@ fn a_thumb_function_with_a_frame_returns_in_thumb_state() {
         0xE12F_FF1E, // bx lr
         NOP,
         0xB506_3201, // adds r2, #1; push {r1, r2, lr}
-        0x4801_B084, // sub sp, #16; ldr r0, [pc, #4]
+        0x4804_B084, // sub sp, #16; ldr r0, [pc, #16]
         0xBD06_B004, // add sp, #16; pop {r1, r2, pc}
+        NOP,
+        NOP,
+        NOP,
         0x1234_5678,
     ];
     let (mut cpu, mut machine) = program(&opcodes);
