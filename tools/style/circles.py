@@ -16,6 +16,8 @@ Module = tuple[str, ...]
 # A file with these words in a comment may know files that know it.
 REASON = "knows the other"
 USE = re.compile(r"^\s*(?:pub(?:\(\w+\))? )?use ((?:crate|super|self)::[^;]+);", re.MULTILINE)
+# An item for tests only; a module with its body is the file's last.
+TEST = re.compile(r"#\[cfg\(test\)\]\s+(?:[^;{]*;|mod \w+ \{.*)", re.DOTALL)
 PATH = re.compile(r"\b(?:crate|super)(?:::\w+)+")
 
 
@@ -62,7 +64,7 @@ def circle_complaints(source: Path) -> Iterator[Complaint]:
     graph: dict[Module, set[Module]] = {}
     for module, path in modules.items():
         text = path.read_text("utf-8")
-        code = re.sub(r"//.*", "", text.partition("#[cfg(test)]")[0])
+        code = re.sub(r"//.*", "", TEST.sub("", text))
         known = set()
         for name in _known(module, code):
             while name and name not in modules:

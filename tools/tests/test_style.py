@@ -76,7 +76,7 @@ def test_files_of_a_crate_that_know_each_other_say_why(tree: Path) -> None:
     part.write_text("#[cfg(test)]\nuse super::super::whole::Whole;\n")
     assert list(border_complaints(tree)) == []
     user = "fn used() -> crate::whole::Whole {}\n"
-    part.write_text(user)
+    part.write_text(f"#[cfg(test)]\nmod tests;\n{user}")
     ((_, _, complaint),) = border_complaints(tree)
     assert "inner/part.rs → whole.rs" in complaint
     part.write_text(f"// A whole keeps what is found here, so each knows the other.\n{user}")

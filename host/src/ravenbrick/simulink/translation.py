@@ -25,10 +25,10 @@ from ravenbrick.model.blocks.time_functions import TimeFunction
 from ravenbrick.simulink.blocks.conditions import held_output, triggered
 from ravenbrick.simulink.blocks.library import library_maker, library_name, only_checks, own_library
 from ravenbrick.simulink.blocks.sources import recorded
-from ravenbrick.simulink.blocks.table import IGNORED, IN_TIME, LTI, MAKERS, STRUCTURE
+from ravenbrick.simulink.blocks.table import IGNORED, IN_TIME, MAKERS, STRUCTURE
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Names, identifier
 from ravenbrick.simulink.differentiation import Differentiation
-from ravenbrick.simulink.matlab.linear_systems import is_lti
+from ravenbrick.simulink.matlab.linear_systems import LTI, is_lti
 from ravenbrick.simulink.network import CONTROLS, End, Network, Site
 from ravenbrick.simulink.numbers import value_of
 from ravenbrick.simulink.rates import block_rates, own_rate

@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,23 @@ _MOST_ECHOES = 200
 _SHARES = (0.25, 0.5, 0.75, 1.0)  # of a solver's step, at which late signals are noted
 
 
+def _function(
+    kept: Sequence[ir.Slot], inputs: Sequence[ir.Slot],
+    statements: Sequence[ir.Statement], wanted: Sequence[ir.Statement],
+) -> Callable[..., tuple[Any, ...]]:  # fmt: skip
+    """What some statements give, and of the others before them only those that they read."""
+    whole = [*statements, *wanted]
+    read = read_by(whole, [place >= len(statements) for place in range(len(whole))])
+    text = PythonText(kept, float)
+    text.instructions(one for one, own in zip(statements, read, strict=False) if own)
+    return text.function(inputs, [text.expression(s.expression) for s in wanted], keeps=False)
+
+
+def _is_close_enough(size: float, z: Floats) -> bool:
+    """A mismatch of a loop's values from which it does not come closer."""
+    return size <= _CLOSE_ENOUGH * max(1.0, float(np.max(np.abs(z))))
+
+
 class _Mismatch:
     """The loops of some statements, as an equation: what they give, less what was assumed."""
 
@@ -43,12 +61,7 @@ class _Mismatch:
         names = {(slot.kind, slot.name): place for place, slot in enumerate(kept)}
         self.places = [names[one.target.kind, one.target.name] for one in loops]
         self.blocks = [one.block for one in loops]
-        whole = [*statements, *loops]
-        wanted = read_by(whole, [place >= len(statements) for place in range(len(whole))])
-        text = PythonText(kept, float)
-        text.instructions(one for one, own in zip(statements, wanted, strict=False) if own)
-        self._run = text.function(inputs, [text.expression(s.expression) for s in loops],
-                                  keeps=False)  # fmt: skip
+        self._run = _function(kept, inputs, statements, loops)
         self._inverse: Floats | None = None
 
     def _of(self, z: Floats, memory: Memory, given: Sequence[float]) -> Floats:
@@ -86,7 +99,7 @@ class _Mismatch:
             sides = mismatch(low), mismatch(high)
             if np.all(np.isfinite(sides)) and sides[0] * sides[1] < 0:
                 found = brentq(mismatch, low, high, xtol=1e-15, rtol=1e-14)
-                return bool(abs(mismatch(found)) <= _CLOSE_ENOUGH * max(1.0, abs(found)))
+                return _is_close_enough(abs(mismatch(found)), np.array([found]))
         return False
 
     def _solved(self, z: Floats, memory: Memory, given: Sequence[float]) -> Floats | None:
@@ -110,10 +123,10 @@ class _Mismatch:
                 if slow:
                     self._inverse, fresh = None, False
             elif fresh:
-                return z if size <= _CLOSE_ENOUGH * max(1.0, float(np.max(np.abs(z)))) else None
+                break
             else:
                 self._inverse = None
-        return z if size <= _CLOSE_ENOUGH * max(1.0, float(np.max(np.abs(z)))) else None
+        return z if _is_close_enough(size, z) else None
 
     def _step(
         self, z: Floats, rest: Floats, size: float, memory: Memory, given: Sequence[float]
@@ -210,12 +223,7 @@ class Implicit:
             _History(block, places[s.target.kind, s.target.name])
             for s in late if isinstance(block := blocks[s.block], LateSignal)
         ]  # fmt: skip
-        whole = [*always, *late]
-        wanted = read_by(whole, [place >= len(always) for place in range(len(whole))])
-        text = PythonText(kept, float)
-        text.instructions(one for one, own_ in zip(always, wanted, strict=False) if own_)
-        self._inputs = text.function(inputs, [text.expression(s.expression) for s in late],
-                                     keeps=False)  # fmt: skip
+        self._inputs = _function(kept, inputs, always, late)
 
     def __bool__(self) -> bool:
         return bool(self._whole) or bool(self._histories)

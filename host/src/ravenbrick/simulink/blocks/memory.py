@@ -204,7 +204,8 @@ def _pid(b: Builder) -> None:
     kind, ideal = d.text("Controller", "PID"), d.text("Form", "Parallel") == "Ideal"
     outside = d.text("SatLimitsSource", "internal") == "external"
     two = "2DOF" in d.text("SourceBlock") or "2dof" in d.text("SourceType")
-    if b.ports() > (3 if outside and not two else 2 if two else 1):
+    most = 2 if two else 3 if outside else 1
+    if b.ports() > most:
         raise ValueError("a PID controller with a reset, tracking or gains from outside")
     errors = _errors(b) if two else [b.inputs()[0]] * 3
     gain = b.tunable("P", "1") if "P" in kind or ideal else 1.0

@@ -52,11 +52,11 @@ from ravenbrick.simulink.blocks.programs import PROGRAMS
 from ravenbrick.simulink.blocks.routing import ROUTING
 from ravenbrick.simulink.blocks.sources import SOURCES
 from ravenbrick.simulink.builder import Builder, ContinuousForm, Dialog
-from ravenbrick.simulink.matlab.linear_systems import system_of
+from ravenbrick.simulink.matlab.linear_systems import LTI, system_of
 from ravenbrick.simulink.numbers import matrix, value_of
 from ravenbrick.simulink.signals import Tap, Wire
 
-__all__ = ["IGNORED", "IN_TIME", "LTI", "MAKERS", "STRUCTURE"]
+__all__ = ["IGNORED", "IN_TIME", "MAKERS", "STRUCTURE"]
 
 IGNORED = frozenset(
     """Scope Display ToWorkspace ToFile Terminator XYGraph FloatingScope Annotation
@@ -429,7 +429,6 @@ def _initial_condition(b: Builder) -> None:
            for e, wire in enumerate(wires)])  # fmt: skip
 
 
-LTI = "cstblocks/LTI System"
 MAKERS: Mapping[str, Callable[[Builder], None]] = {
     **{kind: _each(maker) for kind, maker in _SINGLE.items()},
     **ROUTING,

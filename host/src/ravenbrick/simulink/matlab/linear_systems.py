@@ -16,8 +16,9 @@ from ravenbrick.model.lazy import control
 from ravenbrick.simulink.expressions import Apply, Infix, Name, Prefix, Tree, parse
 from ravenbrick.simulink.numbers import Workspace, evaluate
 
-__all__ = ["Systems", "is_lti", "lti_rate", "system_of"]
+__all__ = ["LTI", "Systems", "is_lti", "lti_rate", "system_of"]
 
+LTI = "cstblocks/LTI System"
 Results = tuple[Any, ...]
 _METHODS = ("zoh", "foh", "tustin", "matched")
 _TEXT = re.compile(r"""["'](\w+)["']""")
@@ -32,7 +33,7 @@ _OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
 
 def is_lti(source: str) -> bool:
     """Whether a link leads to the block of a linear system."""
-    return source.replace("\n", " ") == "cstblocks/LTI System"
+    return source.replace("\n", " ") == LTI
 
 
 def lti_rate(text: str, variables: Workspace) -> float | None:
