@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import subprocess
 import zipfile
 from pathlib import Path
 
@@ -28,6 +29,17 @@ def test_the_shipped_page_was_built_from_these_sources(package: Package) -> None
     """Else it is stale: 'make page' builds and packs it."""
     changed = package.stale()
     assert not changed, f"the shipped page is stale, run 'make page'; changed: {changed}"
+
+
+@pytest.mark.long("builds the page")
+def test_the_sources_give_the_bytes_that_are_shipped() -> None:
+    """Where the pinned Rust and Node.js are."""
+    compared = subprocess.run(
+        [ROOT / "tools" / "page", "compare"], text=True, capture_output=True, check=False
+    )
+    if compared.returncode == 4:
+        pytest.skip(compared.stderr)
+    assert compared.returncode == 0, compared.stdout + compared.stderr
 
 
 @EACH
