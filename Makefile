@@ -76,7 +76,7 @@ PYTHON_GROUPS := test-brick test-host test-commands test-control test-tools
 test-python: ## Tests of the host package, tools, run-time, drivers and examples
 	@$(TOGETHER) $(PYTHON_GROUPS)
 
-CONTROL := $(addprefix host/tests/,codegen control model schedule)
+CONTROL := $(addprefix host/tests/,codegen control model schedule simulink)
 test-host: TESTS := host/tests virtual-brick/bindings/python/tests \
 	$(addprefix --ignore=,$(CONTROL) host/tests/cli)
 test-control: TESTS := $(CONTROL)

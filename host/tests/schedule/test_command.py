@@ -17,8 +17,8 @@ from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
-from ravenbrick.schedule.gantt import gantt_figure
 from ravenbrick.schedule.quantity import exact
+from ravenbrick.schedule.report.gantt import gantt_figure
 from ravenbrick.schedule.simulation import simulate
 from ravenbrick.schedule.task_file import read_task_file
 

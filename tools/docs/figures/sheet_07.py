@@ -9,8 +9,8 @@ from fractions import Fraction
 import numpy as np
 from ravenbrick.project.robot import read_robot
 from ravenbrick.schedule import TaskSet, rate_monotonic
-from ravenbrick.schedule.gantt import gantt_figure
 from ravenbrick.schedule.model import Task
+from ravenbrick.schedule.report.gantt import gantt_figure
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 
 from tools.docs.figures import SERIES, legend, new_figure, picture, project, run

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from ravenbrick.project.robot import read_robot
 from ravenbrick.schedule import TaskSet, rate_monotonic, simulate
-from ravenbrick.schedule.gantt import gantt_figure
 from ravenbrick.schedule.model import Task
+from ravenbrick.schedule.report.gantt import gantt_figure
 from ravenbrick.schedule.simulation import Scheduler
 from ravenbrick.schedule.task_models.servers import Kind, Server
 from ravenbrick.schedule.task_models.system import System

@@ -158,7 +158,7 @@ def _end_of_picture(path: Path | None, until: str | None) -> Time | None:
 
 def _drawn(found: TaskFile, path: Path, end: Time | None) -> Path:
     """The picture's file."""
-    from ravenbrick.schedule.gantt import gantt_figure
+    from ravenbrick.schedule.report.gantt import gantt_figure
 
     figure = gantt_figure(found.task_set, found.unit, end)
     content = io.BytesIO()

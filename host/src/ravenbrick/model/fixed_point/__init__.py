@@ -11,8 +11,8 @@ from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.fidelity import fixed_point_errors
-from ravenbrick.model.fixed_point_rewriting import FixedPointOptions, Rewriting, TooFineError
-from ravenbrick.model.fixed_point_wide import WideRewriting
+from ravenbrick.model.fixed_point.rewriting import FixedPointOptions, Rewriting, TooFineError
+from ravenbrick.model.fixed_point.wide import WideRewriting
 from ravenbrick.model.integer_ranges import Key, expression_range, integer_ranges
 from ravenbrick.model.number_format import FixedFormat, Interval
 from ravenbrick.model.ranges import real_ranges

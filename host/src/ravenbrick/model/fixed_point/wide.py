@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
-from ravenbrick.model.fixed_point_rewriting import (
+from ravenbrick.model.fixed_point.rewriting import (
     FixedPointOptions,
     Rewriting,
     Scaled,
