@@ -86,6 +86,11 @@ describe("checks", () => {
 });
 
 describe("a prediction", () => {
+  it("is asked for before the controls that begin the run", () => {
+    const order = get("#prediction").compareDocumentPosition(get("#run"));
+    expect(order & Node.DOCUMENT_POSITION_FOLLOWING).toBeTruthy();
+  });
+
   it("is fixed before the measured answer is shown over it", () => {
     app.receive({ ...READY, session: SESSION });
     app.receive(MEASURED);

@@ -29,7 +29,7 @@ __all__ = ["setup"]
 COUNT = "bricks"
 CODE = re.compile("`([^`]+)`")
 FRAME = """<figure class="brick">
-<iframe src="{embedded}" title="{title}" loading="lazy" allow="clipboard-write"></iframe>
+<iframe src="{embedded}" title="{title}" loading="{loading}" allow="clipboard-write"></iframe>
 <figcaption>{caption}<a href="{page}">Open the full page</a></figcaption>
 </figure>"""
 FOLDED = '<details class="brick"><summary>Run it here: {title}</summary>{frame}</details>'
@@ -44,6 +44,7 @@ def _frame(shown: Shown, page: str, caption: str, options: str = "") -> str:
         embedded=html.escape(f"{address}&embed{options}"),
         page=html.escape(address),
         title=title,
+        loading="eager" if "run" in options else "lazy",
         caption=CODE.sub(r"<code>\1</code>", f"{html.escape(caption)} ") if caption else "",
     )
 
