@@ -7,8 +7,8 @@
     ```
 
 The first word is a folder of examples/, or the project that the steps above it create; the second
-one is its scenario. The content is the caption. `:run:` runs it at once, `:folded:` shows it on
-request only.
+one is its scenario, or `picture` for a program in devices/. The content is the caption. `:run:`
+runs it at once, `:folded:` shows it on request only.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ FOLDED = '<details class="brick"><summary>Run it here: {title}</summary>{frame}<
 
 
 def _frame(shown: Shown, page: str, caption: str, options: str = "") -> str:
-    title = html.escape(f"Virtual brick: {shown.project}, scenario {shown.scenario}")
+    title = html.escape(f"Virtual brick: {shown.title}")
     address = f"{page}?brick={shown.name}"
     if shown.project != shown.example:
         address += f"&as={shown.project}"
@@ -69,8 +69,7 @@ class BrickDirective(SphinxDirective):
         run = "&run" if "run" in self.options else ""
         frame = _frame(shown, f"{up}{PAGE_FOLDER}/index.html", " ".join(self.content), run)
         if "folded" in self.options:
-            title = html.escape(f"{shown.project}, {shown.scenario}")
-            frame = FOLDED.format(title=title, frame=frame)
+            frame = FOLDED.format(title=html.escape(shown.title), frame=frame)
         return [nodes.raw("", frame, format="html")]
 
 
