@@ -73,7 +73,12 @@ export class App implements Actions, ToolbarActions, KeyActions {
   constructor(
     private readonly page: HTMLElement,
     private readonly link: Link,
-    private readonly options: { signal?: AbortSignal; name?: string; asks?: boolean } = {},
+    private readonly options: {
+      signal?: AbortSignal;
+      name?: string;
+      embedded?: boolean;
+      asks?: boolean;
+    } = {},
   ) {
     const locally = new Locally(options.name ?? "", () => this.save("file"));
     this.toolbar = new Toolbar(this, this.sound.element, locally.element);
@@ -87,7 +92,11 @@ export class App implements Actions, ToolbarActions, KeyActions {
     const [first, last] = this.columns;
     const middle = [column("instruments", instruments), this.study.element];
     const main = el("main", {}, first, ...middle, last);
-    this.page.replaceChildren(this.study.prediction.element, this.toolbar.element, main);
+    this.page.replaceChildren(this.toolbar.element, main);
+    // A student in a sheet sees first what is above; a window shows drive and instruments whole.
+    const asking = this.study.prediction.element;
+    if (options.embedded) this.page.prepend(asking);
+    else this.study.element.prepend(asking);
     addEventListener("resize", () => this.redraw(), options);
     new Keyboard(this, options);
   }

@@ -17,14 +17,15 @@ const page = document.getElementById("page");
 if (!page) throw new Error("index.html has no element #page");
 
 const place = placeOf(location);
-document.documentElement.classList.toggle("embedded", place.embedded);
+const { name, embedded } = place;
+document.documentElement.classList.toggle("embedded", embedded);
 let worker: Worker | null = null;
 const waiting: Command[] = [];
 const send = (command: Command) =>
   worker ? worker.postMessage(command) : void waiting.push(command);
 const begins = place.runs && !matchMedia("(prefers-reduced-motion: reduce)").matches;
 // Nobody predicts a run that begins by itself.
-const app = new App(page, { send }, { name: place.name, asks: !begins });
+const app = new App(page, { send }, { name, embedded, asks: !begins });
 
 async function startBrick(): Promise<void> {
   const started = await startWorker(workerAddress, coreAddress);

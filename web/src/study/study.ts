@@ -32,7 +32,7 @@ export interface StudyActions {
 export class Study {
   readonly element: HTMLElement;
   readonly views: View[];
-  /** Stands before the controls that begin the run. */
+  /** In a sheet it stands before the controls that begin the run. */
   readonly prediction = new Prediction();
   private readonly step = new StepResponse();
   private readonly checks = new Checks();
