@@ -74,7 +74,8 @@ export class Studio {
     const middle = el("div", { id: "middle" }, this.conflict, this.note, this.editorPlace);
     const below = el("div", { id: "below" }, this.problems.element, this.commands.element);
     middle.append(below);
-    const main = el("main", { "aria-label": "Project" }, this.files.element, middle, this.views.element);
+    const panes = [this.files.element, middle, this.views.element];
+    const main = el("main", { "aria-label": "Project" }, ...panes);
     this.page.replaceChildren(header, main);
     document.addEventListener("keydown", (event) => this.key(event));
     this.views.frame.addEventListener("load", () => {
