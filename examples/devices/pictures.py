@@ -37,7 +37,7 @@ class Example:
     at_ms: float
     sensors: dict[str, str] = field(default_factory=dict)
     inputs: tuple[tuple[float, str, float], ...] = ()
-    outside: Callable[[Brick], None] = lambda brick: None
+    outside: Callable[[Brick], None] | None = None
 
 
 def bluetooth_peer(brick: Brick) -> None:
@@ -143,21 +143,32 @@ EXAMPLES = {
 }
 
 
+def image_file(name: str) -> Path:
+    """Where the example's image for RAM is."""
+    return BUILD / "devices" / name / "ram" / f"{name}.elf"
+
+
 def build(name: str) -> bytes:
     """The example's image for RAM."""
     gprbuild(HERE / "device.gpr", DEVICE=name)
-    return (BUILD / "devices" / name / "ram" / f"{name}.elf").read_bytes()
+    return image_file(name).read_bytes()
+
+
+def surroundings(example: Example) -> dict[str, Any]:
+    """The configuration of the brick that an example runs on."""
+    sensors = {port: {"kind": kind} for port, kind in example.sensors.items()}
+    return bench() | {"sensors": sensors}
 
 
 def run(name: str) -> Brick:
     """The example at the time of its picture."""
     example = EXAMPLES[name]
-    sensors: dict[str, Any] = {port: {"kind": kind} for port, kind in example.sensors.items()}
-    configuration = json.dumps(bench() | {"sensors": sensors})
+    configuration = json.dumps(surroundings(example))
     brick = Brick(virtual_brick.VirtualBrick(configuration, build(name)))
     for at_ms, quantity, value in example.inputs:
         brick.set(at_ms, quantity, value)
-    example.outside(brick)
+    if example.outside:
+        example.outside(brick)
     brick.run(example.at_ms)
     return brick
 
@@ -191,6 +202,19 @@ def guide() -> str:
         lines.append(
             f"| {example.device} | {source} | {example.packages} | {image}<br>{example.seen} |"
         )
+    lines += [
+        "",
+        "## Run them here",
+        "",
+        "Each brick repeats the inputs of its picture; after that, its sensors, buttons and",
+        "motors are yours. The programs for Bluetooth and USB wait for a computer at the other",
+        "end, which a page does not have: [Bluetooth and USB](bluetooth-and-usb.md) shows how",
+        "they meet one.",
+    ]
+    for name, example in EXAMPLES.items():
+        if example.outside is None:
+            caption = f"{example.device}: {example.seen}."
+            lines += ["", f"```{{brick}} devices/{name} picture", ":folded:", caption, "```"]
     return "\n".join([*lines, ""])
 
 

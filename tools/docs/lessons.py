@@ -102,7 +102,7 @@ def _plain(text: str) -> str:
 def _execute(step: Step, folder: Path) -> str:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {k: v for k, v in os.environ.items() if k != "RAVENBRICK_BUILD"}
-    environment |= {"PATH": path, "COLUMNS": "160", "RAVENBRICK_HOME": str(ROOT)}
+    environment |= {"PATH": path, "COLUMNS": "160"}
     commands = [line for line in step.content.splitlines() if line.strip()]
     output = ""
     for number, command in enumerate(commands, 1):

@@ -29,6 +29,9 @@ section { min-height: 100vh; padding: 5vmin 7vmin; scroll-snap-align: start;
           border-bottom: 1px solid #ccc; position: relative }
 section > footer { position: absolute; right: 4vmin; bottom: 2vmin; font-size: 60%; color: #5c6066 }
 h1 { font-size: 7vmin; margin-top: 25vh } h2 { font-size: 5vmin; margin: 0 0 3vmin }
+li { margin: .4em 0 }
+section:not(:has(img, pre, table)) { font-size: 150% }
+section:not(:has(img, pre, table)) > footer { font-size: 40% }
 img { max-width: 100%; max-height: 58vh; display: block; margin: 2vmin auto }
 pre { font-size: 70%; background: #f3f3f1; padding: 2vmin; white-space: pre-wrap }
 table { border-collapse: collapse } td, th { border: 1px solid #999; padding: .3em .8em }

@@ -152,7 +152,9 @@ describe("the studio", () => {
     test(`has no violation, ${colorScheme}`, async ({ open, studio }) => {
       const { page } = await open(await studio(project), { colorScheme });
       await waitForBrick(page);
-      expect(await violations(page)).toEqual([]);
+      const brick = page.frame({ url: /\/brick\// });
+      expect(brick).not.toBeNull();
+      expect(await violations(page, [page.mainFrame(), brick!])).toEqual([]);
       await page.keyboard.press("Escape");
       await page.click("#diagram-tab");
       await page.click("#diagram-panel button");

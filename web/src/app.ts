@@ -52,12 +52,18 @@ export class App implements Actions, ToolbarActions, KeyActions {
   /** The image beside the page, which its sources belong to. */
   private served: Uint8Array | null = null;
   private companions: Companions = NO_COMPANIONS;
+  /** Those that the views have. */
+  private provided: Companions | null = null;
   /** The project beside the page, and its digests once it is loaded. */
   private servedSession: Session | null = null;
   private identity: Identity | null = null;
   /** A run of the project beside the page that is replayed when that is loaded. */
   private shared: SharedRun | null = null;
   private lastFrame: Frame | null = null;
+  /** The brick was seen; one that begins by itself, under way. */
+  private see!: () => void;
+  private readonly seen = new Promise<void>((seen) => (this.see = seen));
+  private begins = false;
   private factor = 1;
   /** Whom to tell when a new image runs: known when it is asked for, told after its first frame. */
   private renewed: (() => void) | null = null;
@@ -67,7 +73,12 @@ export class App implements Actions, ToolbarActions, KeyActions {
   constructor(
     private readonly page: HTMLElement,
     private readonly link: Link,
-    options: { signal?: AbortSignal; name?: string } = {},
+    private readonly options: {
+      signal?: AbortSignal;
+      name?: string;
+      embedded?: boolean;
+      asks?: boolean;
+    } = {},
   ) {
     const locally = new Locally(options.name ?? "", () => this.save("file"));
     this.toolbar = new Toolbar(this, this.sound.element, locally.element);
@@ -82,6 +93,10 @@ export class App implements Actions, ToolbarActions, KeyActions {
     const middle = [column("instruments", instruments), this.study.element];
     const main = el("main", {}, first, ...middle, last);
     this.page.replaceChildren(this.toolbar.element, main);
+    // A student in a sheet sees first what is above; a window shows drive and instruments whole.
+    const asking = this.study.prediction.element;
+    if (options.embedded) this.page.prepend(asking);
+    else this.study.element.prepend(asking);
     addEventListener("resize", () => this.redraw(), options);
     new Keyboard(this, options);
   }
@@ -99,30 +114,47 @@ export class App implements Actions, ToolbarActions, KeyActions {
     } catch (error) {
       return this.toolbar.showError(`This link: ${(error as Error).message}`);
     }
-    const session = await fetched(`${folder}session.json`).catch(() => null);
+    const asked = ["session.json", "image.elf"].map((name) =>
+      fetched(`${folder}${name}`).catch(() => null),
+    );
+    const [session, image] = await Promise.all(asked);
     if (!session?.ok) {
       return this.toolbar.showStatus("Open a program (.elf) or a saved run (.json) to begin.");
     }
-    const image = await fetched(`${folder}image.elf`);
-    if (!image.ok) {
+    if (!image?.ok) {
       return this.toolbar.showError("There is a session.json but no image.elf beside it.");
     }
     this.served = new Uint8Array(await image.arrayBuffer());
     const own = (await session.json()) as Session | Run;
+    const { asks = true } = this.options;
     const questions = [...questionOfAddress(location.search), ...(own.questions ?? [])];
-    const described = { ...own, questions };
+    const described = { ...own, questions: asks ? questions : [] };
     this.servedSession = described;
     if ("digest" in described) this.loadRun({ run: described, elf: this.served });
     else this.load(described, this.served);
+    void this.accompany(this.served, (name) => fetched(`${folder}${name}`));
+  }
+
+  /** Load what is read beside a run: the brick does not wait for it. */
+  private async accompany(
+    served: Uint8Array,
+    fetched: (name: string) => Promise<Response>,
+  ): Promise<void> {
+    this.companions = NO_COMPANIONS;
+    await this.seen;
+    await idle();
     const read = async <Content>(name: string, other: Content): Promise<Content> => {
-      const answer = await fetched(`${folder}${name}`).catch(() => null);
+      const answer = await fetched(name).catch(() => null);
       return answer?.ok ? ((await answer.json()) as Content) : other;
     };
-    this.companions = {
+    const companions = {
       sources: await read<Sources>("sources.json", {}),
       design: await read("design.json", {}),
       paths: await read("worst_paths.json", {}),
     };
+    // Meanwhile there may be a newer image.
+    if (served !== this.served) return;
+    this.companions = companions;
     this.updateSources();
   }
 
@@ -144,6 +176,8 @@ export class App implements Actions, ToolbarActions, KeyActions {
   /** An image from elsewhere has other lines. */
   private updateSources(): void {
     const companions = this.runsServed() ? this.companions : NO_COMPANIONS;
+    if (companions === this.provided) return;
+    this.provided = companions;
     this.source.provide(companions.sources);
     this.study.provide(companions);
   }
@@ -151,6 +185,7 @@ export class App implements Actions, ToolbarActions, KeyActions {
   /** Whether the image is the one beside the page. */
   private runsServed(): boolean {
     const [elf, served] = [this.elf, this.served];
+    if (elf && elf === served) return true;
     if (!elf || elf.length !== served?.length) return false;
     return elf.every((byte, at) => byte === served[at]);
   }
@@ -236,6 +271,7 @@ export class App implements Actions, ToolbarActions, KeyActions {
 
   private frame(frame: Frame): void {
     this.lastFrame = frame;
+    if (frame.cycles > 0 || !this.begins) this.see();
     if (frame.cycles > 0 && this.moving) {
       this.moving();
       this.moving = null;
@@ -276,6 +312,12 @@ export class App implements Actions, ToolbarActions, KeyActions {
 
   reset(): void {
     this.send({ kind: "reset" });
+  }
+
+  /** Run by itself, from where the robot begins to move. */
+  show(): void {
+    this.begins = true;
+    this.send({ kind: "run", fromMotion: true });
   }
 
   toggle(): void {
@@ -346,6 +388,12 @@ export class App implements Actions, ToolbarActions, KeyActions {
     actions[key]?.();
     return key in actions;
   }
+}
+
+/** The page has shown what it has; at the latest after a second. */
+function idle(): Promise<unknown> {
+  if (!("requestIdleCallback" in globalThis)) return Promise.resolve();
+  return new Promise((done) => requestIdleCallback(done, { timeout: 1000 }));
 }
 
 function download(name: string, type: string, text: string): void {

@@ -17,12 +17,15 @@ const page = document.getElementById("page");
 if (!page) throw new Error("index.html has no element #page");
 
 const place = placeOf(location);
-document.documentElement.classList.toggle("embedded", place.embedded);
+const { name, embedded } = place;
+document.documentElement.classList.toggle("embedded", embedded);
 let worker: Worker | null = null;
 const waiting: Command[] = [];
 const send = (command: Command) =>
   worker ? worker.postMessage(command) : void waiting.push(command);
-const app = new App(page, { send }, { name: place.name });
+const begins = place.runs && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+// Nobody predicts a run that begins by itself.
+const app = new App(page, { send }, { name, embedded, asks: !begins });
 
 async function startBrick(): Promise<void> {
   const started = await startWorker(workerAddress, coreAddress);
@@ -51,7 +54,7 @@ addEventListener("message", async ({ origin, source, data }) => {
   await app.renew(fetchFile, () => parent.postMessage("moving", location.origin));
 });
 void begun.then(() => {
-  if (place.runs && !matchMedia("(prefers-reduced-motion: reduce)").matches) app.toggle();
+  if (begins) app.show();
   // The site that the page is a part of has its own service worker.
   if (place.shared || !("serviceWorker" in navigator) || !isSecureContext) return;
   // Without one (a private window, a file) the page works as long as its server does.

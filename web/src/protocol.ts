@@ -8,7 +8,8 @@ export type StepBy = "instruction" | "line" | "controller" | "job";
 export type Command =
   | { kind: "load"; session: Session; elf: Uint8Array }
   | { kind: "replay"; run: Run; elf: Uint8Array }
-  | { kind: "run" }
+  /** Go on; without the time before a motor turns, if one does soon. */
+  | { kind: "run"; fromMotion?: boolean }
   | { kind: "pause" }
   /** The same run from its beginning; with these inputs besides those of the scenario. */
   | { kind: "reset"; inputs?: TimedInput[] }

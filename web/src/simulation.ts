@@ -14,6 +14,9 @@ const PIECE_MS = 1;
 /** The same as fast as possible, where each look costs speed. */
 const FAST_PIECE_MS = 5;
 const RATE_WINDOW_MS = 500;
+/** Whoever looks on waits no longer for a motor that turns: virtual time, and rad/s. */
+const [MOTION_MS, TURNS] = [5000, 0.1];
+const MOTORS = ["A", "B", "C"];
 const SCOPE_PERIOD_MS = 1;
 /** Before anybody sets them; the same inputs have no effect in a stimulus file. */
 const INITIAL_VALUES: Record<string, number> = { touch: 0, button: 0, motor: 0 };
@@ -172,6 +175,19 @@ export class Simulation {
       if (this.ended) return;
     }
     this.stop = JSON.parse(this.core.run_until(end)) as Stop;
+  }
+
+  /** Run to where a motor turns, at most for some seconds. */
+  runToMotion(): void {
+    const end_cycles = this.cycles + cyclesOfMs(MOTION_MS);
+    while (!this.turns && !this.ended && !this.replayEnded && this.cycles < end_cycles) {
+      this.runTo(this.cycles + cyclesOfMs(FAST_PIECE_MS));
+    }
+  }
+
+  private get turns(): boolean {
+    const signals = JSON.parse(this.core.signals()) as Frame["signals"];
+    return MOTORS.some((port) => Math.abs(signals[`motor.${port}.angular_velocity`] ?? 0) > TURNS);
   }
 
   /** Catch up with `elapsed_ms` of wall time, but take no longer than `budget_ms` for it. */

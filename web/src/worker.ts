@@ -59,6 +59,7 @@ function apply(command: Command): void {
     case "run":
       // Whoever goes on after the end of a replayed run leaves it.
       if (compared) simulation.leaveReplay();
+      if (command.fromMotion) simulation.runToMotion();
       simulation.running = !simulation.ended;
       lastTick = performance.now();
       break;

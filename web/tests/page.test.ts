@@ -57,7 +57,21 @@ describe("the source", () => {
   const text = () => get("#source-text").textContent;
   const here = () => document.querySelector("#source-text [aria-current]")?.textContent;
 
-  beforeEach(() => app.begin("", fetched as unknown as typeof fetch));
+  beforeEach(async () => {
+    await app.begin("", fetched as unknown as typeof fetch);
+    app.receive(READY);
+    app.receive(FRAME);
+    // What comes after the first picture: promises that are there already.
+    await new Promise((done) => setTimeout(done));
+  });
+
+  it("does not hold up the brick, which is loaded before it comes", async () => {
+    const late = (address: string) =>
+      address.endsWith("sources.json") ? new Promise<Response>(() => {}) : fetched(address);
+    sent.length = 0;
+    await app.begin("", late as unknown as typeof fetch);
+    expect(sent.map(({ kind }) => kind)).toEqual(["load"]);
+  });
 
   it("is shown around the line where the program is paused", () => {
     app.receive(READY);

@@ -102,6 +102,29 @@ describe("the pace", () => {
   });
 });
 
+describe("a run that begins by itself", () => {
+  /** A core whose motor B turns from an instant on. */
+  function turningFrom(ms: number) {
+    const { simulation, core } = begin();
+    core.signals = () =>
+      JSON.stringify({ "motor.B.angular_velocity": core.now < cyclesOfMs(ms) ? 0 : -2 });
+    return { simulation, core };
+  }
+
+  it("is shown from where a motor turns", () => {
+    const { simulation, core } = turningFrom(1002);
+    simulation.runToMotion();
+    expect(core.now).toBeGreaterThanOrEqual(cyclesOfMs(1002));
+    expect(core.now).toBeLessThanOrEqual(cyclesOfMs(1010));
+  });
+
+  it("is shown all the same when none turns within some seconds", () => {
+    const { simulation, core } = turningFrom(60_000);
+    simulation.runToMotion();
+    expect(core.now).toBeLessThan(cyclesOfMs(5010));
+  });
+});
+
 describe("tunable variables", () => {
   it("are read for each frame; those that the image lacks are asked for once", () => {
     const { simulation, cores } = begin();

@@ -10,6 +10,8 @@ import { blockAt } from "../src/study/code";
 import { meanDifference, Sketch, valueAt } from "../src/study/sketch";
 import { WRITTEN_MS } from "../src/study/tuning";
 import { app, FRAME, get, inputs, READY, sent } from "./page";
+// After the page of the tests, which draws no plots.
+import { App } from "../src/app";
 
 const TUNABLE = {
   path: "functional_P.Kp",
@@ -86,6 +88,12 @@ describe("checks", () => {
 });
 
 describe("a prediction", () => {
+  it("is asked for in a sheet before the controls that begin the run", () => {
+    new App(get("#page"), { send: () => undefined }, { embedded: true });
+    const order = get("#prediction").compareDocumentPosition(get("#run"));
+    expect(order & Node.DOCUMENT_POSITION_FOLLOWING).toBeTruthy();
+  });
+
   it("is fixed before the measured answer is shown over it", () => {
     app.receive({ ...READY, session: SESSION });
     app.receive(MEASURED);

@@ -27,6 +27,7 @@ TOKEN = "secret"
 # In place of the command line: what design.py says decides the answer of `build`.
 COMMAND = """
 import json, pathlib, sys, time
+words = json.loads(input())
 wanted = pathlib.Path({design!r}).read_text()
 if "slow" in wanted:
     time.sleep(600)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ravenbrick.project.templates import TEMPLATES, template_of
 
+from examples.devices.pictures import EXAMPLES as DEVICES
 from tools.docs.lessons import FENCE, ROOT, steps
 
 __all__ = [
@@ -43,6 +44,17 @@ class Shown:
     example: str
     template: str | None
     steps: str = ""
+
+    @property
+    def device(self) -> str | None:
+        """The program for a single device that this is; it has no project and no scenario."""
+        folder, _, name = self.example.partition("/")
+        return name if folder == "devices" else None
+
+    @property
+    def title(self) -> str:
+        """Project and scenario for the reader."""
+        return self.device or f"{self.project}, scenario {self.scenario}"
 
 
 def changing_steps(text: str) -> str:
@@ -78,6 +90,8 @@ def _changes(text: str, project: str) -> bool:
 
 def _checked(shown: Shown) -> Shown:
     folder = EXAMPLES / shown.example
+    if shown.device in DEVICES and not DEVICES[shown.device].outside:
+        return shown
     if not (folder / "robot.toml").is_file():
         raise ValueError(
             f"there is no example '{shown.example}', and no step above with "
@@ -98,7 +112,8 @@ def _shown(above: str, project: str, scenario: str) -> Shown:
                 made[match.group(1)] = match.group(2)
     if project not in made:
         name = f"{project.replace('/', '-')}-{scenario}"
-        return _checked(Shown(name, project, scenario, project, template_of(project)))
+        template = None if project.startswith("devices/") else template_of(project)
+        return _checked(Shown(name, project, scenario, project, template))
     template = made[project]
     example = TEMPLATES[template].example
     changing = changing_steps(above)

@@ -31,6 +31,7 @@ from ravenbrick.timing.results.bounds_file import own_bounds
 
 from tools.docs.lessons import ROOT, run_text
 from tools.docs.site.bricks import EXAMPLES, PAGE_FOLDER, SHOWN_FOLDER, Shown, shown_on
+from tools.docs.site.devices import device_files
 from tools.docs.site.offline import WORKER
 
 __all__ = ["all_shown", "build_site"]
@@ -115,12 +116,16 @@ def _write_brick(shown: Shown, folder: Path, site: Path) -> None:
 def build_site(site: Path, bricks: Iterable[Shown]) -> None:
     """Write the page and the bricks, each into its folder of the site."""
     bricks = list(bricks)
-    folders = {shown.name: project_of(shown) for shown in bricks}
+    projects = [shown for shown in bricks if shown.device is None]
+    folders = {shown.name: project_of(shown) for shown in projects}
     with ThreadPoolExecutor(AT_ONCE) as pool:
         list(pool.map(prepare, sorted(set(folders.values()))))
     shutil.rmtree(site / SHOWN_FOLDER, ignore_errors=True)
-    for shown in bricks:
+    for shown in projects:
         _write_brick(shown, folders[shown.name], site)
+    for shown in bricks:
+        if shown.device is not None:
+            _write(device_files(shown.device), site / SHOWN_FOLDER / shown.name)
     page = {name: content for name, content in page_files().items() if name != WORKER}
     _write(page, site / PAGE_FOLDER)
 

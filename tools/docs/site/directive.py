@@ -7,8 +7,8 @@
     ```
 
 The first word is a folder of examples/, or the project that the steps above it create; the second
-one is its scenario. The content is the caption. `:run:` runs it at once, `:folded:` shows it on
-request only.
+one is its scenario, or `picture` for a program in devices/. The content is the caption. `:run:`
+runs it at once, `:folded:` shows it on request only.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ __all__ = ["setup"]
 COUNT = "bricks"
 CODE = re.compile("`([^`]+)`")
 FRAME = """<figure class="brick">
-<iframe src="{embedded}" title="{title}" loading="lazy" allow="clipboard-write"></iframe>
+<iframe src="{embedded}" title="{title}" loading="{loading}" allow="clipboard-write"></iframe>
 <figcaption>{caption}<a href="{page}">Open the full page</a></figcaption>
 </figure>"""
 FOLDED = '<details class="brick"><summary>Run it here: {title}</summary>{frame}</details>'
 
 
 def _frame(shown: Shown, page: str, caption: str, options: str = "") -> str:
-    title = html.escape(f"Virtual brick: {shown.project}, scenario {shown.scenario}")
+    title = html.escape(f"Virtual brick: {shown.title}")
     address = f"{page}?brick={shown.name}"
     if shown.project != shown.example:
         address += f"&as={shown.project}"
@@ -44,6 +44,7 @@ def _frame(shown: Shown, page: str, caption: str, options: str = "") -> str:
         embedded=html.escape(f"{address}&embed{options}"),
         page=html.escape(address),
         title=title,
+        loading="eager" if "run" in options else "lazy",
         caption=CODE.sub(r"<code>\1</code>", f"{html.escape(caption)} ") if caption else "",
     )
 
@@ -68,8 +69,7 @@ class BrickDirective(SphinxDirective):
         run = "&run" if "run" in self.options else ""
         frame = _frame(shown, f"{up}{PAGE_FOLDER}/index.html", " ".join(self.content), run)
         if "folded" in self.options:
-            title = html.escape(f"{shown.project}, {shown.scenario}")
-            frame = FOLDED.format(title=title, frame=frame)
+            frame = FOLDED.format(title=html.escape(shown.title), frame=frame)
         return [nodes.raw("", frame, format="html")]
 
 

@@ -32,9 +32,10 @@ export interface StudyActions {
 export class Study {
   readonly element: HTMLElement;
   readonly views: View[];
+  /** In a sheet it stands before the controls that begin the run. */
+  readonly prediction = new Prediction();
   private readonly step = new StepResponse();
   private readonly checks = new Checks();
-  private readonly prediction = new Prediction();
   private readonly code: Code;
   private asked = { cycles: -1, wall: 0 };
 
@@ -45,7 +46,8 @@ export class Study {
     const tuning = new Tuning(actions, (inputs) => wanted.again(inputs));
     this.code = new Code(() => wanted.stepController());
     this.views = [this.prediction, tuning, this.step, this.checks, this.code];
-    this.element = el("div", { class: "study" }, ...this.views.map((view) => view.element));
+    const below = this.views.filter((view) => view !== this.prediction);
+    this.element = el("div", { class: "study" }, ...below.map((view) => view.element));
   }
 
   provide({ sources, design, paths }: Companions): void {

@@ -22,6 +22,8 @@ export class Scope implements View {
   private plot: uPlot | null = null;
   private drawn = 0;
   private readonly known = el("datalist", { id: "channels" });
+  /** What can be shown, in the list once somebody is about to choose. */
+  private names: string[] = [];
   private readonly name = el("input", {
     id: "channel",
     list: "channels",
@@ -29,6 +31,7 @@ export class Scope implements View {
     "aria-label": "Signal, pin or symbol to show",
     spellcheck: "false",
     autocomplete: "off",
+    focus: () => this.offer(),
   });
   private readonly window = el(
     "select",
@@ -60,11 +63,16 @@ export class Scope implements View {
     const pins = Array.from({ length: 32 }, (_, pin) => `pin:${pin}`);
     const signals = channels.signals.map((name) => `signal:${name}`);
     const symbols = channels.symbols.map(({ name }) => `symbol:${name}`);
-    const options = [...signals, ...pins, ...symbols].map((value) => el("option", { value }));
-    this.known.replaceChildren(...options);
+    this.names = [...signals, ...pins, ...symbols];
+    this.known.replaceChildren();
     const first = ["signal:motor.B.angular_velocity", "signal:motor.C.angular_velocity"];
     if (this.channels.length === 0) this.channels = first.filter((name) => signals.includes(name));
     this.choose(this.channels);
+  }
+
+  private offer(): void {
+    if (this.known.childElementCount > 0) return;
+    this.known.replaceChildren(...this.names.map((value) => el("option", { value })));
   }
 
   /** Show one more channel; what the core refuses is taken out again by `undo`. */

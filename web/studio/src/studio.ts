@@ -63,9 +63,10 @@ export class Studio {
     const choice = el("label", {}, "Scenario ", this.scenario);
     const keys =
       "Ctrl+S saves and builds · F6 next pane · Escape leaves the editor · F8 next error";
+    // The brick's page in its frame has the same parts: names tell them apart.
     const header = el(
       "header",
-      {},
+      { "aria-label": "Studio" },
       el("div", { class: "row" }, this.title, choice, this.save, this.stop, this.status),
       el("p", { class: "note" }, keys),
       this.error,
@@ -73,7 +74,8 @@ export class Studio {
     const middle = el("div", { id: "middle" }, this.conflict, this.note, this.editorPlace);
     const below = el("div", { id: "below" }, this.problems.element, this.commands.element);
     middle.append(below);
-    const main = el("main", {}, this.files.element, middle, this.views.element);
+    const panes = [this.files.element, middle, this.views.element];
+    const main = el("main", { "aria-label": "Project" }, ...panes);
     this.page.replaceChildren(header, main);
     document.addEventListener("keydown", (event) => this.key(event));
     this.views.frame.addEventListener("load", () => {

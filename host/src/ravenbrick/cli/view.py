@@ -33,7 +33,12 @@ from ravenbrick.trace.design import Response, read_design
 
 __all__ = [
     "BOUNDS",
+    "DESIGN",
+    "IMAGE",
+    "NO_DESIGN",
     "SESSION",
+    "SOURCES",
+    "WORST_PATHS",
     "page_files",
     "page_server",
     "project_files",

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from ravenbrick.image.controller_origin import read_origin
 from ravenbrick.image.manifest import file_digest
 from ravenbrick.project.robot import ROBOT_FILE
 from ravenbrick.project.workspace import Workspace
-from ravenbrick.subprocesses import run_child
+from ravenbrick.subprocesses import run_script
 
 __all__ = ["DESIGN_SCRIPT", "adopt_design", "design_is_due", "run_design"]
 
@@ -105,10 +104,8 @@ def run_design(workspace: Workspace) -> None:
         )
     digest = _digest(script)
     workspace.design_file.parent.mkdir(parents=True, exist_ok=True)
-    done = run_child(
-        [sys.executable, DESIGN_SCRIPT, "--results", str(workspace.design_file)],
-        cwd=workspace.project,
-    )
+    words = [DESIGN_SCRIPT, "--results", str(workspace.design_file)]
+    done = run_script(words, workspace.project)
     if done.returncode != 0:
         raise _failure(script, done.stdout)
     remember_design(workspace, digest)

@@ -23,7 +23,8 @@ from ravenbrick.studio.journal import Journal
 
 __all__ = ["Call", "Runner", "Task"]
 
-RAVENBRICK = (sys.executable, "-c", "from ravenbrick.cli import main; main()")
+# Takes its words from standard input: it is started, and has loaded its libraries, before them.
+RAVENBRICK = (sys.executable, "-c", "from ravenbrick.cli.prepared import main; main()")
 # From an interruption until the child and its children are killed.
 GRACE_S = 8.0
 # Of an answer, what the page shows.
@@ -74,6 +75,7 @@ class Runner:
         self._waiting: list[Task] = []
         self._changed = threading.Condition()
         self._child: subprocess.Popen[str] | None = None
+        self._next: subprocess.Popen[str] | None = None
         self._reason = ""
         self._working = self._closed = False
         self._numbers = count(1)
@@ -104,6 +106,9 @@ class Runner:
             self._interrupt("the studio ends")
             self._changed.notify_all()
         self._thread.join(timeout=2 * GRACE_S)
+        if self._next is not None:
+            _kill(self._next)
+            self._next.communicate()
 
     def _interrupt(self, reason: str) -> None:
         """With the lock: as Ctrl-C would, then without mercy."""
@@ -121,6 +126,7 @@ class Runner:
     def _work(self) -> None:
         while True:
             with self._changed:
+                self._next = self._prepared()
                 self._changed.wait_for(lambda: self._waiting or self._closed)
                 if self._closed:
                     return
@@ -152,17 +158,13 @@ class Runner:
         with self._changed:
             if self._reason:
                 return {"ok": False, "error": self._reason}
-            child = subprocess.Popen(
-                [*self._program, *call.words, "--json"], stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
-                errors="replace", start_new_session=True,
-            )  # fmt: skip
-            self._child = child
+            child = self._child = self._prepared()
+            self._next = None
         limit = threading.Timer(call.limit_s, self._late, (call,))
         limit.daemon = True
         limit.start()
         try:
-            output, errors = child.communicate()
+            output, errors = child.communicate(json.dumps([*call.words, "--json"]) + "\n")
         finally:
             limit.cancel()
             with self._changed:
@@ -175,6 +177,15 @@ class Runner:
             last = (errors or output).strip().splitlines()[-1:]
             code = int(ExitCode.INTERNAL)
             return {"ok": False, "exit_code": code, "error": ": ".join([sentence, *last])}
+
+    def _prepared(self) -> subprocess.Popen[str]:
+        """The process of the next command; another one if it has ended."""
+        if self._next is not None and self._next.poll() is None:
+            return self._next
+        return subprocess.Popen(
+            self._program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            encoding="utf-8", errors="replace", start_new_session=True,
+        )  # fmt: skip
 
     def _late(self, call: Call) -> None:
         with self._changed:
