@@ -12,8 +12,10 @@ from typing import Any
 
 import pytest
 from ravenbrick.brick.session import tunables_of
+from ravenbrick.errors import ExitCode
 from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
+from ravenbrick.project.templates import TEMPLATES
 
 EXAMPLES = Path(__file__).resolve().parent
 DESIGNED = ("paper", "motor-bench", "line-follower", "balancer")
@@ -33,8 +35,8 @@ RUNS = [
 _built: set[str] = set()
 
 
-def ravenbrick(*arguments: str) -> dict[str, Any]:
-    """The JSON answer of a command that must succeed."""
+def ravenbrick(*arguments: str, code: int = 0) -> dict[str, Any]:
+    """The JSON answer of a command that must succeed, or end with this exit code."""
     command = [
         sys.executable,
         "-c",
@@ -43,7 +45,7 @@ def ravenbrick(*arguments: str) -> dict[str, Any]:
         "--json",
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.returncode == code, done.stdout + done.stderr
     answer: dict[str, Any] = json.loads(done.stdout)
     return answer
 
@@ -119,6 +121,20 @@ def test_the_telemetry_is_part_of_the_schedulability_report(example: str, scenar
     seen = server_task["observed"]
     assert 0 < seen["execution_cycles"] <= server_task["execution_bound_cycles"]
     assert 0 < seen["response_cycles"] <= server_task["response_bound_cycles"]
+
+
+@pytest.mark.long("bounds every path of a job")
+@pytest.mark.parametrize("example", sorted({known.example for known in TEMPLATES.values()}))
+def test_flash_images_of_templates_are_schedulable_but_for_the_telemetry_of_the_paper(
+    example: str,
+) -> None:
+    """Its bound is 21.8 ms of 20 (its README); all stacks suffice."""
+    late = ["server_task"] if example == "paper" else []
+    code = ExitCode.DEADLINE_CAN_BE_MISSED if late else ExitCode.OK
+    answer = ravenbrick("analyse", str(EXAMPLES / example), "--image", "flash", code=code)
+    assert [miss["name"] for miss in answer["misses"]] == late
+    assert answer["schedulable"] == (not late)
+    assert answer["stacks_suffice"] is not False
 
 
 @pytest.mark.long("a minute on the brick")

@@ -15,6 +15,7 @@ from verification.support.bricks.observe import Brick
 
 OTHER = "00:16:53:0A:0B:0C"
 NAME_FIRST, NAME_LENGTH = 7, 16
+DEVICE_LENGTH = NAME_FIRST + NAME_LENGTH + 4
 LEGO_BRICK = (0x0694, 0x0002)
 BATTERY_LEVEL = b"\x00\x0b"
 
@@ -34,8 +35,18 @@ def test_two_bricks_find_connect_and_talk(brick: Callable[..., Brick]) -> None:
     assert client.integer("wrong_code") == 0
     assert client.integers("answers") == [200, 400, 600, 800]
     assert client.integer("peers_listed") == 1
+    assert client.bytes("known")[:DEVICE_LENGTH] == client.bytes("found")[:DEVICE_LENGTH]
     assert server.integer("connections") == 2
     assert link.lost == []
+
+
+def test_a_lone_brick_looks_for_others_as_long_as_it_was_told(brick: Callable[..., Brick]) -> None:
+    """For 5 s, in whole units of 1.28 s, from 1 s after the module has started."""
+    client = brick("bluetooth_client")
+    client.run(5_000)
+    assert client.integer("devices_found") == -1
+    client.run(7_000)
+    assert client.integer("devices_found") == 0
 
 
 def doubled(computer: BluetoothComputer, number: int) -> int:

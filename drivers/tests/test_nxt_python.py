@@ -41,7 +41,7 @@ class Host:
 @pytest.fixture(params=["usb", "bluetooth"])
 def host(request: pytest.FixtureRequest, brick: Callable[..., Brick]) -> Host:
     """The client, connected."""
-    sensors = {"1": {"kind": "touch"}, "4": {"kind": "ultrasonic"}}
+    sensors = {"1": {"kind": "touch"}, "3": {"kind": "sound"}, "4": {"kind": "ultrasonic"}}
     device = brick(f"direct_{request.param}", sensors=sensors)
     device.run(1500)
     socket: Any
@@ -74,6 +74,19 @@ def test_sensors_are_read(host: Host) -> None:
     assert touch.get_sample() is True
 
 
+def test_a_sound_sensor_hears_plainly_or_as_the_ear_does(host: Host) -> None:
+    """A hum of 100 Hz, which the ear hears 19 dB weaker."""
+    now = host.brick.device.cycles
+    host.brick.device.schedule_input(now, "sound.3", 85)
+    host.brick.device.schedule_input(now, "sound.3.frequency", 100)
+    sensor = host.remote.get_sensor(nxt.sensor.Port.S3, nxt.sensor.generic.Sound, False)
+    host.run(50)
+    plain = sensor.get_sample()
+    sensor.set_adjusted(True)
+    host.run(50)
+    assert plain + 100 < sensor.get_sample() < 1_000
+
+
 def test_a_sensor_on_a_bus_is_read(host: Host) -> None:
     """The ultrasonic sensor of port 4: who it is, distances, a command; nobody on port 2."""
     brick = host.remote
@@ -95,7 +108,7 @@ def test_a_sensor_on_a_bus_is_read(host: Host) -> None:
 
 
 def test_motors_run_and_stop(host: Host) -> None:
-    """A motor runs at a power, counts degrees, and brakes; another stops at its limit."""
+    """A motor runs, brakes, and counts degrees from two places; another stops at its limit."""
     brick = host.remote
     motor = brick.get_motor(nxt.motor.Port.B)
     motor.reset_position(False)
@@ -108,6 +121,9 @@ def test_motors_run_and_stop(host: Host) -> None:
     stands = motor.get_tacho().rotation_count
     host.run(200)
     assert motor.get_tacho().rotation_count == stands
+    motor.reset_position(True)
+    tacho = motor.get_tacho()
+    assert (tacho.block_tacho_count, tacho.rotation_count) == (0, stands)
     on, run = nxt.motor.Mode.ON | nxt.motor.Mode.BRAKE, nxt.motor.RunState.RUNNING
     idle = nxt.motor.RegulationMode.IDLE
     brick.set_output_state(nxt.motor.Port.C, -50, on, idle, 0, run, 90)

@@ -57,6 +57,7 @@ def test_nothing_plugged_in_does_not_answer(brick: Callable[..., Brick]) -> None
     device.run(MEASURING_MS + 500)
     assert device.integer("rounds") > before + 5
     assert (device.integer("status"), device.integer("reading")) == (NO_ANSWER, LAST)
+    assert device.integer("silent") == 1
 
 
 @pytest.mark.parametrize("line", [0, 1])

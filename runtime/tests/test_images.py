@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from elftools.elf.constants import SH_FLAGS
 from elftools.elf.elffile import ELFFile
 
 from verification.support.bricks.runtime_programs import (
@@ -68,6 +69,16 @@ class TestImages:
         ):
             assert brick.symbol(symbol)[0] >= RAM
         assert brick.symbol("rendezvous_free__consumerTKB")[0] < RAM
+
+    @pytest.mark.parametrize("state", ["arm", "thumb"])
+    def test_the_flash_image_says_that_its_variables_change(self, state: str) -> None:
+        """The analysis of execution times takes what is not writable for constants."""
+        with build("entries", "flash", state, state).open("rb") as file:
+            elf = ELFFile(file)
+            flags = {s.name: s["sh_flags"] for s in elf.iter_sections() if s["sh_addr"] >= RAM}
+        assert set(flags) == {".low", ".data", ".code_in_ram", ".bss"}
+        changing = {name for name, bits in flags.items() if bits & SH_FLAGS.SHF_WRITE}
+        assert changing == {".low", ".data", ".bss"}
 
     def test_a_unit_may_be_in_the_other_state(self, run: Runner) -> None:
         """One unit of an ARM program compiled with -mthumb: the program behaves alike."""

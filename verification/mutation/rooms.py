@@ -72,12 +72,14 @@ class Room:
     def tests_near(self, tree: Path, source: str, count: int) -> list[Path]:
         """The files of tests with most of a source's words, rare ones above all; none: all.
 
-        A test that runs programs has their words, too, and counts less the more there are.
+        A test that runs programs has their words, too, and counts less the more there are; where
+        some do, the others judge nothing.
         """
         if not (count and self.test_files):
             return []
         tests = [p for p in self.files(tree, self.tests) if re.match(r"test_|.*\.test\.", p.name)]
         read = {test: self.read_by(test) for test in tests}
+        tests = [test for test in tests if len(read[test]) > 1] or tests
         words = {test: _words(read[test]) for test in tests}
         having = Counter(word for found in words.values() for word in found)
         rarity = {word: math.log(len(tests) / n) for word, n in having.items()}

@@ -23,7 +23,7 @@ procedure Bluetooth_Client is
    Answers  : Results := (others => 0) with
      Volatile, Export, Convention => C, External_Name => "answers";
    Found    : Device_List (0 .. 3) with Export, Convention => C, External_Name => "found";
-   Known    : Device_List (0 .. 3);
+   Known    : Device_List (0 .. 3) with Export, Convention => C, External_Name => "known";
    Count    : Natural;
    Success  : Boolean;
    Item     : aliased Unsigned_32 := 0;

@@ -29,6 +29,8 @@ procedure Ultrasonic is
    Reading : Integer := -1 with Volatile, Export, Convention => C, External_Name => "reading";
    Status  : Integer := -1 with Volatile, Export, Convention => C, External_Name => "status";
    Rounds  : Integer := 0 with Volatile, Export, Convention => C, External_Name => "rounds";
+   Silent  : Integer := 0 with Volatile, Export, Convention => C, External_Name => "silent";
+   --  1: without an answer there were no distances either
 
    Sonar    : Ultrasonic_Sensor := Make (Sensor_4);
    Text     : Units_String;
@@ -37,6 +39,8 @@ procedure Ultrasonic is
    Distance : Centimetres;
    Result   : Measurement_Status;
    Factory  : Data;
+   Echoes   : Distances (1 .. 3);
+   Actual   : Natural;
 begin
    NXT.AVR.Await_Data_Available;
    Sonar.Get_Version (Text, Done);
@@ -62,6 +66,10 @@ begin
       Sonar.Measure (Distance, Result);
       Reading := Integer (Distance);
       Status := Measurement_Status'Pos (Result);
+      if Result = No_Answer then
+         Sonar.Get_Distances (Echoes, Actual);
+         Silent := Boolean'Pos (Actual = 0 and then Echoes = (1 .. 3 => Out_Of_Range));
+      end if;
       Rounds := Rounds + 1;
    end loop;
 end Ultrasonic;

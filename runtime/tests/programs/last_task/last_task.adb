@@ -1,10 +1,13 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
+with Ada.Real_Time; use Ada.Real_Time;
+
 with Leaving;
-pragma Unreferenced (Leaving);
 
 procedure Last_Task with Priority => 1 is
 begin
-   null;
+   if Leaving.Main_Stays = 1 then
+      delay until Time_Last;
+   end if;
 end Last_Task;

@@ -5,6 +5,10 @@
 
 package Leaving is
 
+   Main_Stays : Integer := -1
+     with Volatile, Export, Convention => C, External_Name => "main_stays";
+   --  1: the main procedure does not end; the test puts it into the image
+
    task Supervisor with Priority => 30, Storage_Size => 1_024;
 
    task Mortal with Priority => 10, Storage_Size => 1_024;

@@ -82,6 +82,8 @@ package body Watched is
             Work (Next + Deadline + Microseconds (7_900));
          elsif Is_Chosen (Late) and then Jobs = Wrong_After then
             Work (Time_Last);
+         elsif Is_Chosen (Behind) then
+            Work (Clock + Period + Milliseconds (2));
          elsif Is_Chosen (Overflows) and then Jobs = Wrong_After then
             Overwrite_Lowest_Word;
          end if;

@@ -2,12 +2,13 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  A supervisor in place of the drivers' link task, and two tasks with deadlines of 5 ms, of which
---  one goes wrong in its twentieth job, or in each tenth
+--  one goes wrong in its twentieth job, in each tenth, or in all
 
 package Watched is
 
    type Fault is
-     (Nothing, Often_Late, Seldom_Late, Late, Late_Sporadic, No_Delay, Ends, Overflows, Hangs);
+     (Nothing, Often_Late, Seldom_Late, Late, Late_Sporadic, Behind, No_Delay, Ends, Overflows,
+      Hangs);
 
    Chosen : Integer := -1
      with Volatile, Export, Convention => C, External_Name => "chosen";

@@ -89,6 +89,11 @@ package body Timed is
          Note (if Cancelled then 'c' else '?');
          Cancel_Handler (Single, Cancelled);
          Note (if Cancelled or Time_Of_Event (Single) /= Time_First then '?' else '.');
+
+         --  cancelled as the next of all
+         Set_Handler (Single, Microseconds (100), Bell.Ring'Access);
+         Cancel_Handler (Single, Cancelled);
+         Note (if Cancelled then 'n' else '?');
          Next := Next + Milliseconds (3);
       end loop;
    end User;

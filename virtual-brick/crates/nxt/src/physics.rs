@@ -92,10 +92,8 @@ impl Physics {
                 encoder.edges(index, from.angle(), to.angle(), span, &mut self.edges);
             }
         }
-        if self.edges.len() > 1 {
-            self.edges
-                .sort_by_key(|edge| std::cmp::Reverse((edge.at_cycles, edge.motor)));
-        }
+        self.edges
+            .sort_by_key(|edge| std::cmp::Reverse((edge.at_cycles, edge.motor)));
     }
 
     /// Pins that the encoders drive, and their levels.

@@ -194,6 +194,20 @@ fn unplugged_it_releases_its_lines_and_replugged_it_waits_for_a_reset() {
 }
 
 #[test]
+fn plugged_in_while_the_clock_is_low_it_counts_the_reset_from_then() {
+    for (low, starts) in [(100, true), (50, false)] {
+        let mut brick = Brick::new();
+        brick.rig.set("sensor.2.plugged", 0.0);
+        brick.put(false, Some(true), milliseconds(60));
+        brick.rig.set("sensor.2.plugged", 1.0);
+        brick.rig.run(milliseconds(low));
+        brick.send(FULL);
+        let answers = (0..54).any(|_| brick.byte() != 0xFF);
+        assert_eq!(answers, starts, "{low} ms");
+    }
+}
+
+#[test]
 fn a_corrupt_checksum_is_one_bit_wrong() {
     let mut brick = Brick::new();
     let right = brick.start(FULL);

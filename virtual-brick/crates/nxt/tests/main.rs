@@ -4,6 +4,7 @@
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
 mod bluetooth;
+mod buses;
 mod color;
 mod common;
 mod coprocessor;

@@ -107,8 +107,7 @@ impl Links {
 
     pub fn put_back(&mut self, handle: u8, bytes: VecDeque<u8>) {
         if let Some(link) = self.get(handle) {
-            let later = std::mem::replace(&mut link.inbox, bytes);
-            link.inbox.extend(later);
+            link.inbox = bytes;
         }
     }
 

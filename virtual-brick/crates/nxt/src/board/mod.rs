@@ -405,3 +405,22 @@ impl Random {
         (mixed ^ mixed >> 31) % bound
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Random;
+
+    /// The first numbers of `splitmix64.c` (Vigna 2015) with the state 1234567.
+    #[test]
+    fn random_numbers_are_those_of_splitmix64() {
+        let mut random = Random(1_234_567);
+        let published = [
+            6_457_827_717_110_365_317,
+            3_203_168_211_198_807_973,
+            9_817_491_932_198_370_423,
+            4_593_380_528_125_082_431,
+            16_408_922_859_458_223_821,
+        ];
+        assert_eq!(published.map(|_| random.next(u64::MAX)), published);
+    }
+}

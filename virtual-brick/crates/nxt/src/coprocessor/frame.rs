@@ -59,17 +59,15 @@ impl Command {
         }
     }
 
-    /// What is in force without supply: everything open.
+    /// What is in force without supply: all motors open.
     pub const fn off() -> Self {
         let motor = MotorCommand {
             duty: 0,
             brake: false,
         };
         Self {
-            frequency_khz: 4,
             motors: [motor; 3],
-            input_power: 0,
-            request: PowerRequest::StayOn,
+            ..Self::at_reset()
         }
     }
 

@@ -126,3 +126,20 @@ impl Power {
 const fn ending(ticks: u32, reason: PowerOffReason) -> State {
     State::Ending { ticks, reason }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pack_that_stays_too_low_has_333_ticks_to_recover() {
+        let mut power = Power::on();
+        let mut tick = || power.begin_tick(true);
+        let waits = (1..).take_while(|_| tick() == Tick::Wait).count();
+        assert_eq!(waits, 34, "the 35th looks at the pack");
+        let measures = (1..).take_while(|_| tick() == Tick::MeasureBattery).count();
+        assert_eq!(measures, 333);
+        let off = Tick::CutSupply(PowerOffReason::BatteryLow);
+        assert_eq!(tick(), off);
+    }
+}

@@ -129,7 +129,7 @@ impl Slave {
     }
 
     fn clock_rose(&mut self) {
-        if self.pulses < BITS && self.state != State::Read {
+        if self.state != State::Read {
             self.byte = self.byte << 1 | u8::from(self.data);
         }
         self.pulses += 1;
