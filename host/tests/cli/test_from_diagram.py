@@ -181,6 +181,7 @@ def test_design_and_demo_show_a_controller_without_a_plant(tmp_path: Path) -> No
     assert done.exit_code == 0, done.output
     answer = json.loads(done.output)
     (row,) = answer["fidelity"]["blocks"]
+    assert row["run_s"] > 0 and "rounding that gathers after" in answer["fidelity"]["not_seen"]
     assert answer["figures"] == {} and row["block"] == "Speed"
     assert 0 < row["response_error"] < 1e-3 and 0 < row["step_error"] < 1e-3
     done = CliRunner().invoke(app, ["demo", str(project), "--json"])
