@@ -101,7 +101,7 @@ def _spent(work: Callable[[], None]) -> float:
 
 def _designed() -> float:
     command = [SCRIPTS["ravenbrick"], "design", str(VEHICLE), "--plots"]
-    seconds, code = run_timed(command, 120)
+    seconds, code = run_timed(command, 600)
     if code:
         raise NoResultError(f"{' '.join(command)}: ended with {code}")
     return seconds
