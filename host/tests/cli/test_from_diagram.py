@@ -133,6 +133,16 @@ def test_a_diagram_drives_a_robot_and_gets_a_port_without_any_ada(tmp_path: Path
     assert abs(before) < 1 and after > 90
 
 
+def test_a_diagram_may_have_any_name(tmp_path: Path) -> None:
+    """In the project it is the one that the Ada calls."""
+    (tmp_path / "servo.toml").write_text(DIAGRAM.replace("functional", "servo"))
+    words = ["new", str(tmp_path / "robot"), "--from-diagram", str(tmp_path / "servo.toml")]
+    done = CliRunner().invoke(app, [*words, "--output", "duty=motor.B.duty"])
+    assert done.exit_code == 0, done.output
+    text = (tmp_path / "robot" / "diagrams" / "controller.toml").read_text()
+    assert text == diagram_text(read_diagram(DIAGRAM))
+
+
 def project_of(one: DrivenController, form: str, folder: Path) -> Path:
     """A project made of a controller as a person makes it: `new`, then a few edits."""
     (folder / "diagram.toml").write_text(diagram_text(one.diagram()))
