@@ -198,11 +198,12 @@ def _gate_lines(figures: Figures) -> list[str]:
     heads = " | ".join(f"refused at {rate:g} ms | missed" for rate in RATES_MS)
     lines = [
         "",
-        "## What the gate refuses",
+        "## Refusals by the gate",
         "",
         "The gate of `generate_c` sees neither the C nor the sixty digits: it runs a step of up",
         "to 20 s and compares responses ([how far](../guides/modelling.md)). Missed: wrong by the",
-        "table above, and not refused; some are refused for a response that this step does not show.",
+        "table above, and not refused. Some are refused for a response that this step does not",
+        "show.",
         "",
         f"| Form | {heads} |",
         "|---|" + "---:|---:|" * len(RATES_MS),
