@@ -133,6 +133,16 @@ def test_a_diagram_drives_a_robot_and_gets_a_port_without_any_ada(tmp_path: Path
     assert abs(before) < 1 and after > 90
 
 
+def test_a_diagram_may_have_any_name(tmp_path: Path) -> None:
+    """In the project it is the one that the Ada calls."""
+    (tmp_path / "servo.toml").write_text(DIAGRAM.replace("functional", "servo"))
+    words = ["new", str(tmp_path / "robot"), "--from-diagram", str(tmp_path / "servo.toml")]
+    done = CliRunner().invoke(app, [*words, "--output", "duty=motor.B.duty"])
+    assert done.exit_code == 0, done.output
+    text = (tmp_path / "robot" / "diagrams" / "controller.toml").read_text()
+    assert text == diagram_text(read_diagram(DIAGRAM))
+
+
 def project_of(one: DrivenController, form: str, folder: Path) -> Path:
     """A project made of a controller as a person makes it: `new`, then a few edits."""
     (folder / "diagram.toml").write_text(diagram_text(one.diagram()))
@@ -181,6 +191,7 @@ def test_design_and_demo_show_a_controller_without_a_plant(tmp_path: Path) -> No
     assert done.exit_code == 0, done.output
     answer = json.loads(done.output)
     (row,) = answer["fidelity"]["blocks"]
+    assert row["run_s"] > 0 and "rounding that gathers after" in answer["fidelity"]["not_seen"]
     assert answer["figures"] == {} and row["block"] == "Speed"
     assert 0 < row["response_error"] < 1e-3 and 0 < row["step_error"] < 1e-3
     done = CliRunner().invoke(app, ["demo", str(project), "--json"])

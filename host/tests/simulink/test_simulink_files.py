@@ -188,3 +188,10 @@ def test_the_survey_takes_variables_where_they_are_given(tmp_path: Path) -> None
     assert survey_simulink(path).refusals
     given = {"A": 0.5 * np.eye(3)}
     assert not survey_simulink(path, variables=given).refusals
+
+
+def test_blocks_whose_names_are_blanks_are_told_apart(tmp_path: Path) -> None:
+    """By kind and number, as Simulink lets people hide a name."""
+    root = ONE.format(value=1) + block("Odd", " ", 7) + block("Odd", "  ", 8)
+    survey = survey_simulink(model(tmp_path / "model.slx", root))
+    assert {one.path for one in survey.refusals} == {"Odd 7", "Odd 8"}

@@ -128,8 +128,11 @@ def _compared(workspace: Workspace, reporter: Reporter) -> dict[str, Any]:
     if blocks := content.get("blocks"):
         parts = ("pole_shift", "response_error", "step_error")
         reporter.table(
-            ("block", "poles moved", "frequency response", "step response"),
-            [[str(row["block"]), *(f"{row[part]:.1e}" for part in parts)] for row in blocks],
+            ("block", "poles moved", "frequency response", "step response", "run for"),
+            [
+                [str(row["block"]), *(f"{row[part]:.1e}" for part in parts), f"{row['run_s']:g} s"]
+                for row in blocks
+            ],
         )
     return dict(content)
 

@@ -43,10 +43,13 @@ def create_from_diagram(
 ) -> Workspace:
     """Make a project folder whose controller is `diagram`, with its ports' devices.
 
-    The devices are those of `ravenbrick.codegen.control_task`. Raises `UsageError` or `DesignError`
-    and then has written nothing.
+    There it is called `functional`, as the project's Ada expects. The devices are those of
+    `ravenbrick.codegen.control_task`. Raises `UsageError` or `DesignError` and then has written
+    nothing.
     """
-    text = diagram_text(diagram)
+    own, known = (f"name = {json.dumps(name)}" for name in (diagram.name, "functional"))
+    text = diagram_text(diagram).replace(own, known, 1)
+    diagram = read_diagram(text)
     code = generate_c(diagram)
     control_task(code.files["functional.h"], diagram.sample_time, inputs, outputs)
     read = {name: inputs.get(name, 0.0) for name in _names(diagram, Inport)}

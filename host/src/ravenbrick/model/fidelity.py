@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from ravenbrick.model.flattening import with_shifts
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.linearisation import linear_system
 from ravenbrick.model.number_format import FixedFormat
+from ravenbrick.model.rates import sample_times
 from ravenbrick.model.simulation.execution import Execution
 
 __all__ = [
@@ -34,9 +35,17 @@ __all__ = [
 ]
 
 TOLERANCE = 1e-3
+NOT_SEEN = (
+    "rounding that gathers after run_s, or with other inputs than a step; blocks with limits or "
+    "other curves; recursions over several blocks"
+)
 _FREQUENCIES = 60
-_LONGEST = 2000
+_LASTING_S = 20.0
 _SHORTEST = 100
+_LEAST_RUN, _LONGEST_RUN = 2000, 40_000
+_FARTHEST = 1 << 20
+_GROWTH = 14.0
+_INPUT = float(np.float32(0.7))
 _SAME = 1e-12
 _OUTPUT = re.compile(r"(_\d+)?(_held)?")
 
@@ -56,7 +65,8 @@ class BlockFidelity:
     pole_shift: float
     response_error: float
     step_error: float
-    steps: int
+    run_s: float
+    horizon_s: float
 
     @property
     def worst(self) -> float:
@@ -70,7 +80,7 @@ class BlockFidelity:
 
 @dataclass(frozen=True)
 class Fidelity:
-    """All blocks with states whose numbers are not exact, and the tolerance they must keep."""
+    """All linear blocks with states that multiply, and the tolerance they must keep."""
 
     program: str
     tolerance: float
@@ -84,11 +94,15 @@ class Fidelity:
         """Plain values of all blocks."""
         return [one.row() for one in self.blocks]
 
+    def written(self) -> dict[str, Any]:
+        """`rows` as `blocks`, and what they do not say."""
+        return {"blocks": self.rows(), "not_seen": NOT_SEEN}
+
 
 def fidelity(diagram: Diagram | ir.Program, tolerance: float = TOLERANCE) -> Fidelity:
     """Each linear block with states: coefficients, word lengths and order of operations as held.
 
-    Blocks that are not linear, or whose numbers are all exact, do by construction what is drawn.
+    Not compared: blocks that are not linear, and those that multiply nothing, as a delay.
     """
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
     if ir.is_fixed_point(program):  # see fixed_point_errors
@@ -149,6 +163,7 @@ def _parts(program: ir.Program) -> list[tuple[str, ir.Program]]:
     What it reads of others are its inputs.
     """
     found = []
+    times = sample_times(program)
     program = with_shifts(program)
     by_block: dict[str, list[ir.Statement]] = {}
     for statement in ir.statements(program.statements):
@@ -174,9 +189,11 @@ def _parts(program: ir.Program) -> list[tuple[str, ir.Program]]:
             last = ir.Statement(out, ir.Read(own.target), block, own.block_type)
             part = replace(
                 program,
+                sample_time=times.get(block, program.sample_time),
                 inputs=inputs,
                 outputs=(out,),
                 states=states,
+                signals=(),
                 parameters=tuple(s for s in program.parameters if (s.kind, s.name) in read),
                 statements=(*statements[:place], last, *statements[place:]),
             )
@@ -235,33 +252,56 @@ def _compared(given: tuple[str, ir.Program]) -> BlockFidelity | None:
     kind, part = given
     held = as_held(part)
     exact = held.statements == part.statements and held.parameters == part.parameters
-    if exact or not part.inputs:
+    if (exact and not _multiplies(part)) or not part.inputs:
         return None
     try:
         ideal, real = linear_system(part), linear_system(held)
     except DiagramError:
         return None
     poles, moved = (np.linalg.eigvals(system.A) for system in (ideal, real))
-    steps = _horizon(poles)
+    horizon = _horizon(poles, part.sample_time)
+    steps = min(horizon, _LONGEST_RUN, max(_LEAST_RUN, round(_LASTING_S / part.sample_time)))
+    errors = (
+        _step_error(part, (ideal, real), port, steps, horizon) for port in range(len(part.inputs))
+    )
     return BlockFidelity(
         block=part.outputs[0].block,
         block_type=kind,
         order=ideal.nstates,
         pole_shift=_pole_shift(poles, moved),
         response_error=_response_error(ideal, real),
-        step_error=max(_step_error(part, ideal, port, steps) for port in range(len(part.inputs))),
-        steps=steps,
+        step_error=max(errors),
+        run_s=steps * part.sample_time,
+        horizon_s=horizon * part.sample_time,
+    )
+
+
+def _multiplies(part: ir.Program) -> bool:
+    return any(
+        isinstance(node, ir.Binary) and node.operator == "*"
+        for statement in ir.statements(part.statements)
+        for node in ir.nodes(statement.expression)
     )
 
 
 _Poles = npt.NDArray[Any]
 
 
-def _horizon(poles: _Poles) -> int:
-    """Three of the longest time constants, in samples, within bounds."""
-    slow = [abs(pole - 1) for pole in poles if abs(pole - 1) > _SAME and abs(pole) < 1]
-    wanted = math.ceil(3 / min(slow)) if slow else _SHORTEST
-    return min(max(wanted, _SHORTEST), _LONGEST)
+def _horizon(poles: _Poles, sample_time: float) -> int:
+    """Samples after which a step has shown each pole: three of its time constants.
+
+    20 s for an integrator, or a pole too slow to tell from one; of an unstable pole only until it
+    has grown a million times.
+    """
+    lasting = _LASTING_S / sample_time
+    wanted, most = float(_SHORTEST), float(_FARTHEST)
+    for size in np.abs(poles):
+        if size > 1 + 1 / lasting:
+            most = min(most, _GROWTH / math.log(size))
+        else:
+            settled = 3 / max(abs(1 - size), _SAME)
+            wanted = max(wanted, settled if size < 1 and settled <= _FARTHEST else lasting)
+    return math.ceil(min(wanted, most))
 
 
 def _pole_shift(ideal: _Poles, real: _Poles) -> float:
@@ -298,20 +338,38 @@ def _response_error(ideal: LinearSystem, real: LinearSystem) -> float:
     return worst
 
 
-def _step_error(part: ir.Program, ideal: LinearSystem, port: int, steps: int) -> float:
-    """The step response at one input, run as it is held, against the ideal in double precision."""
-    run = Execution(replace(part, states=tuple(replace(s, initial=0.0) for s in part.states)))
-    given: Mapping[str, float] = {
-        slot.name: float(index == port) for index, slot in enumerate(part.inputs)
-    }
-    state = np.zeros(ideal.nstates)
-    worst = largest = 0.0
-    for _ in range(steps):
-        wanted = float(ideal.C[0] @ state + ideal.D[0, port])
-        state = ideal.A @ state + ideal.B[:, port]
-        found = float(run.step(given)["Out"])
-        largest, error = max(largest, abs(wanted)), abs(found - wanted)
-        worst = max(worst, error if math.isfinite(error) else math.inf)
-        if not math.isfinite(worst):
-            break
-    return worst / largest if largest else worst
+def _step_error(
+    part: ir.Program, systems: tuple[LinearSystem, LinearSystem], port: int, steps: int, last: int
+) -> float:
+    """Step responses at one input, against the ideal one in double precision.
+
+    As the part runs, and by its numbers as held. The step is no power of two, of which an
+    integrator in binary digits would sum up many without rounding.
+    """
+    wanted, held = (_step_response(system, port, steps, last) for system in systems)
+    states = tuple(replace(slot, initial=0.0) for slot in part.states)
+    run = Execution(replace(part, states=states))
+    given = [_INPUT * (index == port) for index in range(len(part.inputs))]
+    found = np.array([values[0] for values in run.samples(given, steps)], dtype=np.float64)
+    errors = np.concatenate([found / _INPUT - wanted[:steps], held - wanted])
+    worst = float(np.abs(errors).max())
+    largest = float(np.abs(wanted).max())
+    return (worst / largest if largest else worst) if math.isfinite(worst) else math.inf
+
+
+def _step_response(system: LinearSystem, port: int, steps: int, last: int) -> _Poles:
+    """Outputs of a unit step in the first `steps` samples, then after 1, 2, 4 ... up to `last`.
+
+    By doubling: the state after k + n samples is A^n times that after k, plus that after n.
+    """
+    states, moved, after = np.zeros((system.nstates, 1)), system.A, system.B[:, port]
+    far = [after]
+    with np.errstate(all="ignore"):
+        while 2 ** (len(far) - 1) < max(steps, last):
+            if states.shape[1] < steps:
+                states = np.hstack([states, moved @ states + after[:, np.newaxis]])
+            after = moved @ after + after
+            moved = moved @ moved
+            far.append(after)
+        shown = np.hstack([states[:, :steps], np.transpose(far)])
+        return np.asarray(system.C[0] @ shown + system.D[0, port])

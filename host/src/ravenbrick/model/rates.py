@@ -13,7 +13,7 @@ from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.linear_system import LinearSystem
 from ravenbrick.model.linearisation import linear_system
 
-__all__ = ["systems_of_steps"]
+__all__ = ["sample_times", "systems_of_steps"]
 
 
 def systems_of_steps(diagram: Diagram | ir.Program) -> tuple[LinearSystem, ...]:
@@ -23,12 +23,7 @@ def systems_of_steps(diagram: Diagram | ir.Program) -> tuple[LinearSystem, ...]:
     counters of steps. In the first step all rates run.
     """
     program = diagram.lower() if isinstance(diagram, Diagram) else diagram
-    divisors = {
-        slot: divisor
-        for one in program.statements
-        if isinstance(one, ir.If) and one.block_type == "RateCounter"
-        for slot, divisor in [_counted(one)]
-    }
+    divisors = _divisors(program)
     states = tuple(slot for slot in program.states if slot not in divisors)
     return tuple(
         linear_system(
@@ -44,6 +39,31 @@ def systems_of_steps(diagram: Diagram | ir.Program) -> tuple[LinearSystem, ...]:
     )
 
 
+def sample_times(program: ir.Program) -> dict[str, float]:
+    """Those of blocks that do not run in each step."""
+    divisors = _divisors(program)
+    return {
+        statement.block: program.sample_time
+        * math.lcm(*(divisors.get(slot, 1) for slot in map(_tested, one.conditions)))
+        for one in program.statements
+        if isinstance(one, ir.If) and one.block_type == "Rate"
+        for statement in ir.statements((one,))
+    }
+
+
+def _tested(test: ir.Comparison) -> ir.Slot | None:
+    return test.left.slot if isinstance(test.left, ir.Read) else None
+
+
+def _divisors(program: ir.Program) -> dict[ir.Slot | None, int]:
+    """Of each counter of steps, after how many it begins anew."""
+    return dict(
+        _counted(one)
+        for one in program.statements
+        if isinstance(one, ir.If) and one.block_type == "RateCounter"
+    )
+
+
 def _counted(one: ir.If) -> tuple[ir.Slot, int]:
     """The counter that begins anew when it has reached the divisor less 1."""
     test = one.conditions[0]
@@ -53,7 +73,7 @@ def _counted(one: ir.If) -> tuple[ir.Slot, int]:
 
 
 def _of_step(
-    instructions: Iterable[ir.Instruction], counts: Mapping[ir.Slot, int]
+    instructions: Iterable[ir.Instruction], counts: Mapping[ir.Slot | None, int]
 ) -> tuple[ir.Instruction, ...]:
     """What runs while the counters have these values."""
     found: list[ir.Instruction] = []
@@ -61,17 +81,7 @@ def _of_step(
         if not isinstance(one, ir.If) or one.block_type not in ("Rate", "RateCounter"):
             found.append(one)
         elif one.block_type == "Rate":
-            guards = [
-                test
-                for test in one.conditions
-                if isinstance(test.left, ir.Read) and test.left.slot in counts
-            ]
-            others = tuple(test for test in one.conditions if test not in guards)
-            if all(_count(test, counts) == 0 for test in guards):
+            others = tuple(test for test in one.conditions if _tested(test) not in counts)
+            if all(counts.get(_tested(test), 0) == 0 for test in one.conditions):
                 found += [replace(one, conditions=others)] if others else one.body
     return tuple(found)
-
-
-def _count(test: ir.Comparison, counts: Mapping[ir.Slot, int]) -> int:
-    assert isinstance(test.left, ir.Read)
-    return counts[test.left.slot]

@@ -233,7 +233,7 @@ class Design:
                     f"with its numbers as held the loop has {figure} {found:.6g} instead of "
                     f"{wanted:.6g}; use double precision, or a longer sample time"
                 )
-        return {"loop": rows, "blocks": fidelity(self.controller).rows()}
+        return {"loop": rows, **fidelity(self.controller).written()}
 
     def write_results(self, path: Path) -> None:
         """Write `results` as JSON."""

@@ -71,6 +71,6 @@ def write_diagram_results(path: Path, controller: Diagram) -> None:
 
 def _compared(controller: Diagram) -> dict[str, object]:
     return {
-        "fidelity": {"blocks": fidelity(controller).rows()},
+        "fidelity": fidelity(controller).written(),
         "diagram": diagram_svg(controller),
     }

@@ -34,7 +34,8 @@ class Execution:
         text.instructions(program.statements)
         computed = {one.target for one in ir.statements(program.statements)}
         self._shown = (*program.outputs, *(one for one in program.signals if one in computed))
-        self._run = text.function(program.inputs, [text.name(slot) for slot in self._shown])
+        shown = [text.name(slot) for slot in self._shown]
+        self._run = text.function(program.inputs, shown, repeats=True)
         self._places = {(slot.kind, slot.name): place for place, slot in enumerate(kept)}
         self._memory: Memory = [slot.data_type.scalar(slot.initial) for slot in kept]
         self._newer: dict[int, deque[Any]] = {}
@@ -81,10 +82,15 @@ class Execution:
 
         A signal that is not computed in this step keeps its value.
         """
+        return self.samples(inputs, 1)[0]
+
+    def samples(self, inputs: list[float], steps: int) -> list[tuple[Any, ...]]:
+        """What `sample` gives in each of several steps, in which the inputs stay."""
         slots = self.program.inputs
         given = [s.data_type.scalar(value) for s, value in zip(slots, inputs, strict=True)]
         with np.errstate(all="ignore"):
-            return self._run(self._memory, given, self._newer)
+            found: list[tuple[Any, ...]] = self._run(self._memory, given, self._newer, steps)
+        return found
 
 
 def _conditional(program: ir.Program) -> list[ir.Slot]:

@@ -88,24 +88,34 @@ class PythonText:
             self.line(f"for _ in range({slot.length - 1}): lines[{place}].popleft()")
 
     def function(
-        self, inputs: Sequence[ir.Slot], results: Sequence[str], *, keeps: bool = True
-    ) -> Callable[..., tuple[Any, ...]]:
+        self,
+        inputs: Sequence[ir.Slot],
+        results: Sequence[str],
+        *,
+        keeps: bool = True,
+        repeats: bool = False,
+    ) -> Callable[..., Any]:
         """A function of (memory, input values, delay lines by place) that gives the results.
 
-        Unless it `keeps`, the memory stays as it is.
+        Unless it `keeps`, the memory stays as it is. If it `repeats`, it also takes a number of
+        steps, in which the inputs stay, and gives a list of the results of each.
         """
         head = [f"{self._names[_key(s)]} = given[{n}]" for n, s in enumerate(inputs)
                 if _key(s) in self._names]  # fmt: skip
         head += [f"{self._names[key]} = memory[{place}]" for key, place in self.kept.items()
                  if key in self._names]  # fmt: skip
+        body, answer = self._lines, f"({''.join(f'{one}, ' for one in results)})"
+        if repeats:
+            head += ["found = []", "for _ in range(steps):"]
+            body = [*(_INDENT + one for one in body), f"{2 * _INDENT}found.append({answer})"]
+            answer = "found"
         tail = [f"memory[{place}] = {self._names[key]}" for key, place in self.kept.items()
                 if keeps and key in self._assigned]  # fmt: skip
-        answer = "".join(f"{one}, " for one in results)
-        lines = [*(_INDENT + one for one in head), *self._lines,
-                 *(_INDENT + one for one in (*tail, f"return ({answer})"))]  # fmt: skip
-        source = "\n".join(["def run(memory, given, lines):", *lines])
+        lines = [*(_INDENT + one for one in head), *body,
+                 *(_INDENT + one for one in (*tail, f"return {answer}"))]  # fmt: skip
+        source = "\n".join(["def run(memory, given, lines, steps=1):", *lines])
         exec(compile(source, "<diagram>", "exec"), self._namespace)  # own text
-        found: Callable[..., tuple[Any, ...]] = self._namespace["run"]
+        found: Callable[..., Any] = self._namespace["run"]
         return found
 
     def bind(self, name: str, value: Any) -> None:
