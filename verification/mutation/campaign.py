@@ -13,7 +13,6 @@ kill is killed; what survives them counts as a survivor, which other tests judge
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import os
 import signal
@@ -30,9 +29,10 @@ from ravenbrick.atomic_write import atomic_write
 
 from tools.docs import tables
 from verification.commands import Counts, NoResultError, NotRunError
+from verification.mutation.executed import Executed
 from verification.mutation.mutants import Mutant, ranked
 from verification.mutation.one_build import one_build
-from verification.mutation.rooms import ROOMS, Room
+from verification.mutation.rooms import ROOMS, Room, digest_of
 from verification.mutation.scratch import Scratch
 from verification.support.paths import ROOT
 
@@ -45,14 +45,6 @@ MINUTES = 50
 GOAL_ROOM = 0.85
 LIMIT_S = 1_200
 Row = dict[str, Any]
-
-
-def digest_of(paths: list[Path]) -> str:
-    """One digest of names and contents."""
-    content = hashlib.sha256()
-    for path in paths:
-        content.update(path.name.encode() + b"\0" + path.read_bytes())
-    return content.hexdigest()[:16]
 
 
 def verdicts(path: Path = VERDICTS) -> dict[str, Row]:
@@ -114,6 +106,7 @@ class Judge:
             if file.suffix == ".rs":
                 file.touch()  # Cargo's products outlive the copy of an earlier run
         self._needed_s: dict[Path, float] = {}
+        self._executed: Executed | None = None
 
     def _unchanged_s(self, command: str) -> float:
         passed, needed_s = self.scratch.run(command, LIMIT_S)
@@ -133,18 +126,43 @@ class Judge:
             self._needed_s |= dict.fromkeys(new, needed_s / len(new))
         return 30 + 5 * sum(self._needed_s[path] for path in keys)
 
+    def _takes(self, mutant: Mutant, changed: str) -> bool:
+        """Whether a compiler takes what the mutant makes of its file."""
+        if not self.room.executed:
+            taken, self.used_s = self.scratch.run(self.room.build, LIMIT_S)
+            return taken
+        self.used_s = 0.0
+        try:
+            compile(changed, mutant.file, "exec")
+        except SyntaxError:
+            return False
+        return True
+
+    def _tests_of(self, mutant: Mutant, source: str) -> tuple[str, float]:
+        """A command and a limit of its time; no command: no test executes the mutant."""
+        if not self.room.executed:
+            tests = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
+            return self.room.command(tests), self._limit_s(tests)
+        if self._executed is None:
+            self._unchanged_s(self.room.build)
+            self._executed = Executed(self.room, self.scratch, LIMIT_S)
+        names = self._executed.tests(mutant, source)
+        return self._executed.command(names) if names else ("", 0.0)
+
     def outcome(self, mutant: Mutant) -> str:
         """Of one mutant; the file is as before afterwards."""
         file = self.scratch.tree / mutant.file
-        tests = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
-        limit_s = self._limit_s(tests)
         source = file.read_text(encoding="utf-8")
-        file.write_text(mutant.applied(source), encoding="utf-8")
+        command, limit_s = self._tests_of(mutant, source)
+        changed = mutant.applied(source)
+        file.write_text(changed, encoding="utf-8")
         try:
-            taken, self.used_s = self.scratch.run(self.room.build, LIMIT_S)
-            if not taken:
+            if not self._takes(mutant, changed):
                 return "refused"
-            passed, needed_s = self.scratch.run(self.room.command(tests), limit_s)
+            if not command:
+                self.scratch.log.write_text("no test executes it\n")
+                return "survived"
+            passed, needed_s = self.scratch.run(command, limit_s)
             self.used_s += needed_s
             return "survived" if passed else "killed"
         finally:
