@@ -6,8 +6,9 @@
 where an earlier run ended, also one in another clone: `outcomes/` keeps what was found. An outcome
 holds while the mutated file, and for survivors the tests too, stay as they are. Each survivor gets
 a verdict, by hand, in `verdicts.toml`; `results.json` becomes docs/reference/mutants.md.
-`--near 2` runs only the two files of tests that share most words with the mutated file: what they
-kill is killed; what survives them counts as a survivor, which other tests judge again.
+Of a mutant in Python the tests run that execute it. In other rooms `--near 2` runs only the two
+files of tests that share most words with the mutated file: what they kill is killed; what survives
+them counts as a survivor, which other tests judge again.
 """
 
 from __future__ import annotations
@@ -138,33 +139,41 @@ class Judge:
             return False
         return True
 
-    def _tests_of(self, mutant: Mutant, source: str) -> tuple[str, float]:
-        """A command and a limit of its time; no command: no test executes the mutant."""
+    def _passed(self, mutant: Mutant, source: str) -> bool:
+        """Whether its tests pass."""
         if not self.room.executed:
             tests = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
-            return self.room.command(tests), self._limit_s(tests)
+            passed, needed_s = self.scratch.run(self.room.command(tests), self._limit_s(tests))
+        else:
+            executed = self._all_executed()
+            names = executed.tests(mutant, source)
+            if not names:
+                self.scratch.log.write_text("no test executes it\n")
+                return True
+            passed, needed_s = executed.passed(names)
+        self.used_s += needed_s
+        return passed
+
+    def _all_executed(self) -> Executed:
         if self._executed is None:
             self._unchanged_s(self.room.build)
             self._executed = Executed(self.room, self.scratch, LIMIT_S)
-        names = self._executed.tests(mutant, source)
-        return self._executed.command(names) if names else ("", 0.0)
+        return self._executed
 
     def outcome(self, mutant: Mutant) -> str:
         """Of one mutant; the file is as before afterwards."""
         file = self.scratch.tree / mutant.file
         source = file.read_text(encoding="utf-8")
-        command, limit_s = self._tests_of(mutant, source)
+        if self.room.executed:
+            self._all_executed()
+        else:
+            self._limit_s(self.room.tests_near(self.scratch.tree, mutant.file, self.near))
         changed = mutant.applied(source)
         file.write_text(changed, encoding="utf-8")
         try:
             if not self._takes(mutant, changed):
                 return "refused"
-            if not command:
-                self.scratch.log.write_text("no test executes it\n")
-                return "survived"
-            passed, needed_s = self.scratch.run(command, limit_s)
-            self.used_s += needed_s
-            return "survived" if passed else "killed"
+            return "survived" if self._passed(mutant, source) else "killed"
         finally:
             file.write_text(source, encoding="utf-8")
 

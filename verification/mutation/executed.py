@@ -12,23 +12,26 @@ from __future__ import annotations
 import ast
 import json
 import shlex
+import subprocess
 from bisect import bisect
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+import pytest
 from coverage import CoverageData
 from ravenbrick.atomic_write import atomic_write
 
 from verification.commands import NoResultError
 from verification.mutation.mutants import Mutant
-from verification.mutation.recorder import LIMIT_S, TIMES
+from verification.mutation.recorder import TIMES
 from verification.mutation.rooms import Room, digest_of
-from verification.mutation.scratch import Scratch
+from verification.mutation.scratch import PATIENCE, Scratch
 
 __all__ = ["Executed", "File", "statement_lines"]
 
 PYTHON = ".venv/bin/python"
-PYTEST = "-m pytest -q -p no:cacheprovider -p verification.mutation.recorder"
+OPTIONS = ("-q", "-p", "no:cacheprovider", "-p", "verification.mutation.recorder")
+UNKNOWN_NAME = pytest.ExitCode.USAGE_ERROR
 # Spawned processes are recorded as well; what forks writes its lines when it ends.
 SETTINGS = """[run]
 source = {source}
@@ -80,6 +83,7 @@ class Executed:
     def __init__(self, room: Room, scratch: Scratch, limit_s: float) -> None:
         self.room, self.scratch, self.limit_s = room, scratch, limit_s
         self.list = scratch.folder / "tests.txt"
+        self._server: subprocess.Popen[str] | None = None
         self.read = [path for folder in READ for path in room.files(scratch.tree, folder)]
         tests = room.files(scratch.tree, room.tests)
         self.files = [self._file(path) for path in tests if path.name.startswith("test_")]
@@ -103,7 +107,9 @@ class Executed:
         settings.write_text(SETTINGS.format(source=tree / self.room.sources, data=data))
         for old in folder.glob("lines.*"):
             old.unlink()
-        command = f"{PYTHON} -m coverage run --rcfile={settings} {PYTEST} {name}"
+        command = (
+            f"{PYTHON} -m coverage run --rcfile={settings} -m pytest {shlex.join((*OPTIONS, name))}"
+        )
         if not self.scratch.run(f"export {TIMES}='{times}'; {command}", self.limit_s)[0]:
             last = "\n".join(self.scratch.log.read_text(errors="replace").splitlines()[-20:])
             raise NoResultError(f"{self.room.name}, nothing changed: {name} fails\n{last}")
@@ -137,19 +143,35 @@ class Executed:
                 group.append((sum(file.used_s[test] for test in ordered), ordered))
         return [test for _, tests in [*sorted(first), *sorted(later)] for test in tests]
 
-    def command(self, tests: list[str]) -> tuple[str, float]:
-        """That runs tests until one fails, and a limit of its processor time.
+    def passed(self, tests: list[str]) -> tuple[bool, float]:
+        """Run tests until one fails; the processor time that they took.
 
         A mutant may give a test another name: then whole files run.
         """
         files = [file for file in self.files if not file.used_s.keys().isdisjoint(tests)]
-        longest_s = max(max(file.used_s.values()) for file in files)
         self.list.write_text("".join(f"{test}\n" for test in tests), encoding="utf-8")
-        pytest = f"{PYTHON} {PYTEST} -x"
-        whole = shlex.join(file.path for file in files)
-        command = (
-            f"export {LIMIT_S}={SPARE_S + TIMES_USUAL * longest_s:.0f}; code=0; "
-            f"{pytest} '@{self.list}' || code=$?; "
-            f"if [ $code = 4 ]; then {pytest} {whole}; else (exit $code); fi"
-        )
-        return command, SPARE_S + TIMES_USUAL * sum(sum(file.used_s.values()) for file in files)
+        code, used_s = self._run(f"@{self.list}", files=files)
+        if code == UNKNOWN_NAME:
+            code, more_s = self._run(*(file.path for file in files), files=files)
+            used_s += more_s
+        self.scratch.used_s += used_s
+        return code == 0, used_s
+
+    def _run(self, *tests: str, files: list[File]) -> tuple[int, float]:
+        if self._server is None:
+            self._server = self.scratch.server(f"{PYTHON} -m verification.mutation.forks")
+        longest_s = max(max(file.used_s.values()) for file in files)
+        all_s = sum(sum(file.used_s.values()) for file in files)
+        request = {
+            "arguments": ["-x", *OPTIONS, *tests],
+            "log": str(self.scratch.log),
+            "limit_s": SPARE_S + TIMES_USUAL * longest_s,
+            "wait_s": PATIENCE * (SPARE_S + TIMES_USUAL * all_s),
+        }
+        assert self._server.stdin and self._server.stdout
+        self._server.stdin.write(json.dumps(request) + "\n")
+        self._server.stdin.flush()
+        answer = json.loads(self._server.stdout.readline() or "null")
+        if answer is None:
+            raise NoResultError(f"{self.room.name}: the process that runs the tests has ended")
+        return answer["code"], answer["used_s"]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -83,18 +84,29 @@ class Copy:
     def __init__(self, folder: Path) -> None:
         self.tree = self.folder = folder
         self.log = folder / "log"
+        self.used_s = 0.0
         self.commands: list[str] = []
+
+    def _environment(self) -> dict[str, str]:
+        path = f"{self.tree / 'src'}:{ROOT}:{ROOT / 'host' / 'src'}"
+        return {**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"}
 
     def run(self, command: str, _limit_s: float) -> tuple[bool, float]:
         """As in the scratch copy, without its border."""
         self.commands.append(command)
-        path = {"PYTHONPATH": f"{self.tree / 'src'}:{ROOT}", "PYTHONDONTWRITEBYTECODE": "1"}
         with self.log.open("w") as log:
             run = subprocess.run(
-                ["bash", "-c", command], cwd=self.tree, env={**os.environ, **path},
+                ["bash", "-c", command], cwd=self.tree, env=self._environment(),
                 stdout=log, stderr=subprocess.STDOUT, check=False,
             )  # fmt: skip
         return run.returncode == 0, 1.0
+
+    def server(self, command: str) -> subprocess.Popen[str]:
+        """The same."""
+        return subprocess.Popen(
+            shlex.split(command), cwd=self.tree, env=self._environment(), text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        )  # fmt: skip
 
 
 @pytest.fixture
