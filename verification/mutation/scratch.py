@@ -107,6 +107,7 @@ class Scratch:
             "PYTHONPATH": str(self.tree / "host" / "src"),
             "PYTHONDONTWRITEBYTECODE": "1",
             "CARGO_TARGET_DIR": str(self.folder / "target"),
+            "MPLCONFIGDIR": str(self.folder / "matplotlib"),
         }
 
     def server(self, command: str) -> subprocess.Popen[str]:

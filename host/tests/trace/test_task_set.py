@@ -71,6 +71,9 @@ def test_no_release_comes_sooner_than_the_period(robot: Robot) -> None:
     check_shortest_interval(
         robot, run([3_000, 6_000, *(6_000 + at for at in regular)]), "control_task"
     )
+    second = [4_000, 8_000, 12_000, 13_000, 17_000, 21_000]
+    with pytest.raises(ProjectFileError, match=r"released 1000\.0 us after its release before"):
+        check_shortest_interval(robot, run(second), "control_task")
     check_shortest_interval(robot, run([10, 20, 30]), "control_task")
     with pytest.raises(ProjectFileError, match=r"released 10\.0 us .* at 0\.000030 s"):
         check_shortest_interval(robot, run([10, 20, 30, 40]), "control_task")
