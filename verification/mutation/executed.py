@@ -42,7 +42,7 @@ patch = subprocess
 """
 # What a test executes depends on these and on its own file.
 READ = ("host/src", "verification/support")
-SPARE_S = 30
+SPARE_S = 10
 TIMES_USUAL = 5
 
 
