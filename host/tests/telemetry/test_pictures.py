@@ -108,6 +108,8 @@ def test_pictures_name_axes_and_units() -> None:
     assert units_of(session.run) == ["V", "mV"]
     figure = signals_figure(session.run)
     assert [axis.get_ylabel() for axis in figure.axes] == ["(V)", "(mV)"]
+    drawn = [[str(line.get_label()) for line in axis.get_lines()] for axis in figure.axes]
+    assert drawn == [["setpoint", "speed"], ["battery"]]
     assert figure.axes[-1].get_xlabel() == "time since power-on (s)"
     line = figure.axes[0].get_lines()[0]
     assert np.asarray(line.get_xdata())[[0, -1]] == pytest.approx([0, 1.496])

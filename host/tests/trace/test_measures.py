@@ -125,27 +125,27 @@ def test_a_program_that_failed_or_overflowed_a_stack_did_not_survive(
     scenario: Scenario, reason: str
 ) -> None:
     """Unless a fault was expected; a stack that overflowed counts in any run."""
-    calm = replace(scenario, inputs=(), stimuli=(), expectations=())
+    undisturbed = replace(scenario, inputs=(), stimuli=(), expectations=())
     shown = Picture(200_000, np.zeros((64, 100), bool), ("ready", ""))
     lived = replace(preempted(), stop=Stop("reached", 200_000, ""), pictures=(shown,))
     failed = replace(lived, stop=Stop(reason, 200_000, "tasks.adb:54"))
-    check_survival(calm, lived)
+    check_survival(undisturbed, lived)
     for recording in (failed, replace(lived, overflows=("the stack of worker overflowed",))):
         with pytest.raises(RunFaultError, match=r"tasks\.adb:54|the stack of worker") as caught:
-            check_survival(calm, recording)
+            check_survival(undisturbed, recording)
         assert caught.value.detail is not None and "ready" in caught.value.detail
-    expected = replace(calm, expectations=(parse_expectation("a fault", "here"),))
+    expected = replace(undisturbed, expectations=(parse_expectation("a fault", "here"),))
     check_survival(expected, failed)
 
 
 def test_an_input_after_the_power_went_off_never_happens(scenario: Scenario) -> None:
     """In the scenario, with its instant, or in a stimulus; at the last cycle it does."""
-    calm = replace(scenario, inputs=(), stimuli=(), expectations=())
+    undisturbed = replace(scenario, inputs=(), stimuli=(), expectations=())
     off = replace(preempted(), stop=Stop("power_off", 10 * MS, ""))
-    check_survival(replace(calm, stimuli=(TimedInput(10 * MS, "touch.1", 1.0, "a.csv:3"),)), off)
-    late = replace(calm, stimuli=(TimedInput(10 * MS + 1, "touch.1", 1.0, "a.csv:3"),))
+    check_survival(replace(undisturbed, stimuli=(TimedInput(10 * MS, "touch.1", 1.0, "a.csv:3"),)), off)
+    late = replace(undisturbed, stimuli=(TimedInput(10 * MS + 1, "touch.1", 1.0, "a.csv:3"),))
     with pytest.raises(ScenarioError, match=r"a.csv:3: 'touch.1' at 0.010000 s never happens"):
         check_survival(late, off)
     first = scenario.inputs[0]
     with pytest.raises(ScenarioError, match=r"at 11 ms never happens: .* off at 10.0 ms"):
-        check_survival(replace(calm, inputs=(replace(first, at_ms=11),)), off)
+        check_survival(replace(undisturbed, inputs=(replace(first, at_ms=11),)), off)
