@@ -90,8 +90,9 @@ class Executed:
 
     def _file(self, path: Path) -> File:
         """Raises `NoResultError` when a test fails."""
-        kept = self.scratch.folder / "executed" / f"{path.stem}.json"
-        kept.parent.mkdir(exist_ok=True)
+        inside = path.relative_to(self.scratch.tree / self.room.tests)
+        kept = (self.scratch.folder / "executed" / inside).with_suffix(".json")
+        kept.parent.mkdir(parents=True, exist_ok=True)
         digest = digest_of([path, *self.read])
         if kept.is_file():
             file = File(**json.loads(kept.read_text("utf-8")))

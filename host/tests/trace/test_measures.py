@@ -142,7 +142,9 @@ def test_an_input_after_the_power_went_off_never_happens(scenario: Scenario) -> 
     """In the scenario, with its instant, or in a stimulus; at the last cycle it does."""
     undisturbed = replace(scenario, inputs=(), stimuli=(), expectations=())
     off = replace(preempted(), stop=Stop("power_off", 10 * MS, ""))
-    check_survival(replace(undisturbed, stimuli=(TimedInput(10 * MS, "touch.1", 1.0, "a.csv:3"),)), off)
+    check_survival(
+        replace(undisturbed, stimuli=(TimedInput(10 * MS, "touch.1", 1.0, "a.csv:3"),)), off
+    )
     late = replace(undisturbed, stimuli=(TimedInput(10 * MS + 1, "touch.1", 1.0, "a.csv:3"),))
     with pytest.raises(ScenarioError, match=r"a.csv:3: 'touch.1' at 0.010000 s never happens"):
         check_survival(late, off)
