@@ -6,14 +6,14 @@
 where an earlier run ended, also one in another clone: `outcomes/` keeps what was found. An outcome
 holds while the mutated file, and for survivors the tests too, stay as they are. Each survivor gets
 a verdict, by hand, in `verdicts.toml`; `results.json` becomes docs/reference/mutants.md.
-`--near 2` runs only the two files of tests that share most words with the mutated file: what they
-kill is killed; what survives them counts as a survivor, which other tests judge again.
+Of a mutant in Python the tests run that execute it. In other rooms `--near 2` runs only the two
+files of tests that share most words with the mutated file: what they kill is killed; what survives
+them counts as a survivor, which other tests judge again.
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import os
 import signal
@@ -30,9 +30,10 @@ from ravenbrick.atomic_write import atomic_write
 
 from tools.docs import tables
 from verification.commands import Counts, NoResultError, NotRunError
+from verification.mutation.executed import Executed
 from verification.mutation.mutants import Mutant, ranked
 from verification.mutation.one_build import one_build
-from verification.mutation.rooms import ROOMS, Room
+from verification.mutation.rooms import ROOMS, Room, digest_of
 from verification.mutation.scratch import Scratch
 from verification.support.paths import ROOT
 
@@ -45,14 +46,6 @@ MINUTES = 50
 GOAL_ROOM = 0.85
 LIMIT_S = 1_200
 Row = dict[str, Any]
-
-
-def digest_of(paths: list[Path]) -> str:
-    """One digest of names and contents."""
-    content = hashlib.sha256()
-    for path in paths:
-        content.update(path.name.encode() + b"\0" + path.read_bytes())
-    return content.hexdigest()[:16]
 
 
 def verdicts(path: Path = VERDICTS) -> dict[str, Row]:
@@ -114,6 +107,7 @@ class Judge:
             if file.suffix == ".rs":
                 file.touch()  # Cargo's products outlive the copy of an earlier run
         self._needed_s: dict[Path, float] = {}
+        self._executed: Executed | None = None
 
     def _unchanged_s(self, command: str) -> float:
         passed, needed_s = self.scratch.run(command, LIMIT_S)
@@ -133,20 +127,53 @@ class Judge:
             self._needed_s |= dict.fromkeys(new, needed_s / len(new))
         return 30 + 5 * sum(self._needed_s[path] for path in keys)
 
+    def _takes(self, mutant: Mutant, changed: str) -> bool:
+        """Whether a compiler takes what the mutant makes of its file."""
+        if not self.room.executed:
+            taken, self.used_s = self.scratch.run(self.room.build, LIMIT_S)
+            return taken
+        self.used_s = 0.0
+        try:
+            compile(changed, mutant.file, "exec")
+        except SyntaxError:
+            return False
+        return True
+
+    def _passed(self, mutant: Mutant, source: str) -> bool:
+        """Whether its tests pass."""
+        if not self.room.executed:
+            tests = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
+            passed, needed_s = self.scratch.run(self.room.command(tests), self._limit_s(tests))
+        else:
+            executed = self._all_executed()
+            names = executed.tests(mutant, source)
+            if not names:
+                self.scratch.log.write_text("no test executes it\n")
+                return True
+            passed, needed_s = executed.passed(names)
+        self.used_s += needed_s
+        return passed
+
+    def _all_executed(self) -> Executed:
+        if self._executed is None:
+            self._unchanged_s(self.room.build)
+            self._executed = Executed(self.room, self.scratch, LIMIT_S)
+        return self._executed
+
     def outcome(self, mutant: Mutant) -> str:
         """Of one mutant; the file is as before afterwards."""
         file = self.scratch.tree / mutant.file
-        tests = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
-        limit_s = self._limit_s(tests)
         source = file.read_text(encoding="utf-8")
-        file.write_text(mutant.applied(source), encoding="utf-8")
+        if self.room.executed:
+            self._all_executed()
+        else:
+            self._limit_s(self.room.tests_near(self.scratch.tree, mutant.file, self.near))
+        changed = mutant.applied(source)
+        file.write_text(changed, encoding="utf-8")
         try:
-            taken, self.used_s = self.scratch.run(self.room.build, LIMIT_S)
-            if not taken:
+            if not self._takes(mutant, changed):
                 return "refused"
-            passed, needed_s = self.scratch.run(self.room.command(tests), limit_s)
-            self.used_s += needed_s
-            return "survived" if passed else "killed"
+            return "survived" if self._passed(mutant, source) else "killed"
         finally:
             file.write_text(source, encoding="utf-8")
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import re
 from collections import Counter
@@ -13,7 +14,7 @@ from pathlib import Path
 
 from verification.mutation.mutants import LANGUAGES, Mutant, mutants_of
 
-__all__ = ["ROOMS", "Room"]
+__all__ = ["ROOMS", "Room", "digest_of"]
 
 CRATES = ("arm7tdmi", "at91sam7s", "nxt", "plant")
 HOST = ("trace", "model", "codegen", "control", "schedule", "timing", "grading", "telemetry")
@@ -28,7 +29,8 @@ GPRBUILD = "gprbuild -q -c -u -p --config=tools/ravenbrick.cgpr --implicit-with=
 VITEST = "cd web && node_modules/.bin/vitest run --bail=1 --configLoader runner"
 # Of names, too: `Ready_Head` has two, `readyHead` as well.
 WORD = re.compile(r"[A-Z]?[a-z]{2,}|[A-Z]{2,}(?![a-z])")
-COMPILE = ".venv/bin/python -m compileall -q"
+# What a mutant changes is compiled anew, whatever the clock says.
+COMPILE = ".venv/bin/python -m compileall -q --invalidation-mode checked-hash"
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Room:
     test: str
     test_files: str = ""  # a command that takes files of tests as arguments
     one_build: bool = False  # of a crate that serves many mutants
+    executed: bool = False  # of Python, built once: only tests that execute a mutant run
 
     def files(self, tree: Path, folder: str) -> list[Path]:
         """Every file below one of its folders, in a fixed order, but none that Python compiled."""
@@ -99,6 +102,14 @@ class Room:
         return " ".join([self.test_files, *map(str, tests)]) if tests else self.test
 
 
+def digest_of(paths: list[Path]) -> str:
+    """One digest of names and contents."""
+    content = hashlib.sha256()
+    for path in paths:
+        content.update(path.name.encode() + b"\0" + path.read_bytes())
+    return content.hexdigest()[:16]
+
+
 def _words(files: Iterable[Path]) -> Counter[str]:
     """How often which word stands in files and their names, without an `s` at its end."""
     texts = (f"{file.stem} {file.read_text('utf-8')}" for file in files)
@@ -117,7 +128,8 @@ def _crate(name: str) -> Room:
 def _host(name: str) -> Room:
     folder = f"host/src/ravenbrick/{name}"
     tests = f"host/tests/{name}"
-    return Room(name, folder, tests, f"{COMPILE} {folder}", f"{PYTEST} {tests}", PYTEST)
+    build = f"{COMPILE} host/src verification/support"
+    return Room(name, folder, tests, build, f"{PYTEST} {tests}", executed=True)
 
 
 ROOMS = {

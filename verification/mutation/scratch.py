@@ -63,6 +63,7 @@ class Scratch:
         self.tree = self.folder / "tree"
         self.log = self.folder / "log.txt"
         self.used_s = 0.0  # processor time of all commands
+        self._servers: list[subprocess.Popen[str]] = []
         self.wrapper = [
             *(bwrap, "--die-with-parent", "--unshare-pid", "--unshare-net", "--cap-add", "ALL"),
             *("--ro-bind", "/", "/", "--dev", "/dev", "--proc", "/proc", "--tmpfs", "/tmp"),
@@ -86,6 +87,9 @@ class Scratch:
         self, kind: type[BaseException] | None, error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:  # fmt: skip
+        for server in self._servers:
+            server.kill()
+            server.communicate()
         shutil.rmtree(self.tree, ignore_errors=True)
         self._lock.close()
         name = self.folder.name
@@ -97,17 +101,29 @@ class Scratch:
         failed = (line for line in lines if re.match(r"FAILED|ERROR|test .* FAILED| FAIL", line))
         return next(failed, lines[-1]).strip()
 
+    def _environment(self) -> dict[str, str]:
+        return {
+            **{k: v for k, v in os.environ.items() if k not in ("RAVENBRICK_BUILD", "MAKEFLAGS")},
+            "PYTHONPATH": str(self.tree / "host" / "src"),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "CARGO_TARGET_DIR": str(self.folder / "target"),
+            "MPLCONFIGDIR": str(self.folder / "matplotlib"),
+        }
+
+    def server(self, command: str) -> subprocess.Popen[str]:
+        """A command that answers lines with lines until the copy ends; its memory is bounded."""
+        server = subprocess.Popen(
+            [*self.wrapper, "bash", "-c", f"ulimit -d {MEMORY_KB}; exec {command}"],
+            env=self._environment(), text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+        )  # fmt: skip
+        self._servers.append(server)
+        return server
+
     def run(self, command: str, limit_s: float) -> tuple[bool, float]:
         """Whether a shell command ends well, and the processor time it took.
 
         None of its processes may use more than the limit, nor all together wait long for it.
         """
-        environment = {
-            **{k: v for k, v in os.environ.items() if k not in ("RAVENBRICK_BUILD", "MAKEFLAGS")},
-            "PYTHONPATH": str(self.tree / "host" / "src"),
-            "PYTHONDONTWRITEBYTECODE": "1",
-            "CARGO_TARGET_DIR": str(self.folder / "target"),
-        }
         # A soft limit of time, as tests of the grader raise it; braces, so that bash counts all.
         limits = f"ulimit -d {MEMORY_KB}; ulimit -S -t {math.ceil(limit_s)}"
         times = self.folder / "times.txt"
@@ -116,7 +132,7 @@ class Scratch:
         with self.log.open("w") as log:
             try:
                 done = subprocess.run(
-                    [*self.wrapper, "bash", "-c", limited], env=environment,
+                    [*self.wrapper, "bash", "-c", limited], env=self._environment(),
                     timeout=PATIENCE * limit_s, check=False,
                     stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
                 )  # fmt: skip

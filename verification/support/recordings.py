@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
 import numpy as np
-from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.clock import MASTER_CLOCK, Clock
 from ravenbrick.project.stimuli import TimedInput
 from ravenbrick.trace.recording import (
     EVENT_TYPE,
@@ -18,9 +21,11 @@ from ravenbrick.trace.recording import (
     Thread,
 )
 
-__all__ = ["preempted"]
+__all__ = ["MEGAHERTZ", "TC0", "TWI", "Event", "made", "preempted", "sampled"]
 
 K = EventKind
+Event = tuple[int, int, int, int]
+MEGAHERTZ = Clock(Fraction(1_000_000))
 MS = 48_055
 TWI, TC0 = 9, 12
 # The worker (thread 0) is released at 1000; TWI interrupts it at 1500; the urgent task preempts it
@@ -55,8 +60,30 @@ EVENTS = [
 ]
 
 
-def _signal(cycles: list[int], values: list[float]) -> Signal:
+def sampled(cycles: Sequence[int], values: Sequence[float]) -> Signal:
+    """A signal with these samples."""
     return Signal(np.array(cycles, np.uint64), np.array(values, np.float64))
+
+
+def made(
+    events: Sequence[Event],
+    end: int,
+    threads: int | Sequence[Thread] = 2,
+    signals: Mapping[str, Signal] | None = None,
+) -> Recording:
+    """A run with a clock of one cycle per microsecond, and as many threads, or these."""
+    if isinstance(threads, int):
+        threads = [Thread(f"task_{i}", i, 1024, 100) for i in range(threads)]
+    return Recording(
+        scenario="made",
+        clock=MEGAHERTZ,
+        stop=Stop("reached", end, ""),
+        events=np.array(list(events), dtype=EVENT_TYPE),
+        signals=signals or {},
+        threads=tuple(threads),
+        pictures=(),
+        digest="",
+    )
 
 
 def preempted() -> Recording:
@@ -68,10 +95,10 @@ def preempted() -> Recording:
         stop=Stop("power_off", 200_000, ""),
         events=np.array(EVENTS, dtype=EVENT_TYPE),
         signals={
-            "body.x": _signal(every, [0.0, 0.1, 0.2, 0.3, 0.4]),
-            "body.y": _signal(every, [0.0, 0.0, 0.0, 0.0, 0.1]),
-            "motor.B.angular_velocity": _signal(every, [0.0, 8.2, 8.9, 8.5, 1 / 3]),
-            "probe.late": _signal(every[2:], [5.0, 5.0, 7.0]),
+            "body.x": sampled(every, [0.0, 0.1, 0.2, 0.3, 0.4]),
+            "body.y": sampled(every, [0.0, 0.0, 0.0, 0.0, 0.1]),
+            "motor.B.angular_velocity": sampled(every, [0.0, 8.2, 8.9, 8.5, 1 / 3]),
+            "probe.late": sampled(every[2:], [5.0, 5.0, 7.0]),
         },
         threads=(Thread("worker", 1, 1024, 100), Thread("urgent", 5, 1024, 100)),
         pictures=(),

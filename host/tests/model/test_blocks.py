@@ -89,6 +89,17 @@ def test_the_table_has_every_block() -> None:
     assert library - tested == {Block, model.Inport, model.Outport, model.Conversion}
 
 
+def test_a_complementary_filter_trusts_its_rate_unless_told_otherwise() -> None:
+    """By hand, at 100 Hz: 0.98 of 0.01 s at 50 rad/s and 0.02 of 3 rad."""
+    diagram = Diagram("tilt", 0.01)
+    rate, angle = diagram.add(Inport("In0")), diagram.add(Inport("In1"))
+    tilt, out = diagram.add(ComplementaryFilter("Tilt")), diagram.add(Outport("Out"))
+    diagram.connect(rate, tilt)
+    diagram.connect(angle, tilt, 1)
+    diagram.connect(tilt, out)
+    assert outputs_of(diagram, np.array([[50.0, 3.0]])) == pytest.approx([0.55])
+
+
 LINEAR = ["delay", "moving_average", "transfer_function", "state_space", "pid", "complementary"]
 
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import control
@@ -49,3 +51,15 @@ def test_a_discrete_controller_in_matrices_is_its_transfer_function(
     pi = DiscretePi(0.3, 0.03, 0.004, method)
     points = np.exp(1j * np.linspace(0.1, 3.0, 20))
     assert np.allclose(pi.system()(points), np.squeeze(pi.controller()(points)))
+
+
+def test_slow_libraries_are_loaded_at_their_first_use() -> None:
+    """A child that only names them has executed none of them, and then one."""
+    program = (
+        "import sys\nfrom ravenbrick.model.lazy import control, optimize, stats\n"
+        "inner = {'control.statesp', 'scipy.optimize._optimize', 'scipy.stats._stats_py'}\n"
+        "assert not inner & set(sys.modules)\n"
+        "assert optimize.brentq(lambda x: x - 1.0, 0.0, 2.0) == 1.0\n"
+        "assert inner & set(sys.modules) == {'scipy.optimize._optimize'}\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

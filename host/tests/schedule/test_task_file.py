@@ -190,17 +190,6 @@ def test_report_says_which_task_to_shorten_and_by_how_much(tmp_path: Path) -> No
     [
         (lambda: TaskSet(()), "there is no task"),
         (lambda: TaskSet((Task("a", 5, 1), Task("a", 6, 1))), "twice"),
-        (lambda: Task("a", 0, 1), "expected more than 0"),
-        (lambda: Task("a", 5, 1, deadline=-2), "expected more than 0"),
-        (lambda: Task("a", 5, 1, release="sporadic", phase=1), "no meaning"),
-        (
-            lambda: Task("a", 9, 4, sections=(CriticalSection("P", 2), CriticalSection("Q", 2, 1))),
-            "must nest",
-        ),
-        (
-            lambda: Task("a", 9, 4, sections=(CriticalSection("P", 3), CriticalSection("P", 1, 1))),
-            "taken while it is held",
-        ),
         (lambda: Overheads(tick_period=1, tick_further=1), "at most 'tick_first'"),
         (lambda: TaskSet.of((1, 2)).task("x"), "there are: t1"),
     ],

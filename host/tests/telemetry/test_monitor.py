@@ -102,6 +102,7 @@ def test_a_record_can_be_read_while_it_grows_and_ends(tmp_path: Path) -> None:
     """What is added is there at once; nothing is added behind the end."""
     path, entry = tmp_path / "live.rbt", Entry(Direction.RECEIVED, 7, b"abc")
     with Spool(path) as spool:
+        assert list(read_spool(path)) == []
         spool.add(entry)
         assert list(read_spool(path)) == [entry]
     with pytest.raises(ValueError, match="closed"):

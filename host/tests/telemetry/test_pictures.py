@@ -72,6 +72,18 @@ def test_a_step_that_has_just_happened_is_none_yet(samples: int, count: int) -> 
     assert len(live_steps(session.run.recording(), "setpoint", "speed")) == count
 
 
+def test_a_change_below_a_tenth_of_the_largest_is_no_step() -> None:
+    """By hand: of 4 V, 0.45 V up is one and 0.35 V down is none."""
+    program, session = Program(), Session()
+    session.receive(program.receive(session.connected(0.0)))
+    for number in range(80):
+        session.receive(program.sample(1, (0.0, 4.0, 4.45, 4.1)[number // 20], 0.0))
+        program.time_us += 4_000
+    assert session.run is not None
+    steps = live_steps(session.run.recording(), "setpoint", "speed")
+    assert [round(step.height, 2) for step in steps] == [4.0, 0.45]
+
+
 def test_a_slider_that_is_moved_sends_its_value() -> None:
     """A click in the middle of the first slider, whose parameter goes from 0 to 2."""
     program, session = Program(), Session()
@@ -108,6 +120,8 @@ def test_pictures_name_axes_and_units() -> None:
     assert units_of(session.run) == ["V", "mV"]
     figure = signals_figure(session.run)
     assert [axis.get_ylabel() for axis in figure.axes] == ["(V)", "(mV)"]
+    drawn = [[str(line.get_label()) for line in axis.get_lines()] for axis in figure.axes]
+    assert drawn == [["setpoint", "speed"], ["battery"]]
     assert figure.axes[-1].get_xlabel() == "time since power-on (s)"
     line = figure.axes[0].get_lines()[0]
     assert np.asarray(line.get_xdata())[[0, -1]] == pytest.approx([0, 1.496])

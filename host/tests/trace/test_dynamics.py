@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from verification.support.recordings import preempted
+from verification.support.recordings import TC0, TWI, Event, made, preempted
 
 from ravenbrick.project.robot import Robot
 from ravenbrick.report.plots.dynamics import dynamics_drawing
@@ -16,6 +16,7 @@ from ravenbrick.trace.dynamics import (
     histogram,
     task_dynamics,
 )
+from ravenbrick.trace.recording import IDLE, EventKind
 
 
 @pytest.fixture
@@ -76,6 +77,39 @@ def test_a_histogram_holds_every_value_once(values: list[int]) -> None:
     widths = set(np.diff(found.edges_cycles).tolist())
     assert len(widths) == 1
     assert np.array_equal(np.histogram(values, found.edges_cycles)[0], found.counts)
+
+
+@pytest.mark.parametrize(("last", "bins", "width"), [(39, 40, 1), (40, 21, 2), (119, 40, 3)])
+def test_the_bins_of_a_histogram_are_as_narrow_as_40_can_be(
+    last: int, bins: int, width: int
+) -> None:
+    """By hand: 40 values fill 40 bins of one cycle, one more needs two cycles a bin."""
+    found = histogram(np.array([0, last], np.int64))
+    assert found.edges_cycles.tolist() == list(range(0, width * bins + 1, width))
+
+
+def test_a_handler_that_another_interrupts_does_not_count_its_time() -> None:
+    """By hand: 30 cycles from 10 to 40, of which 5 and 8 are those of the other two."""
+    entered, left = EventKind.INTERRUPT_ENTERED, EventKind.INTERRUPT_LEFT
+    events = [(10, entered, TWI, 0), (15, entered, TC0, 0), (20, left, 0, 0)]
+    events += [(22, entered, TC0, 0), (30, left, 0, 0), (40, left, 0, 0)]
+    twi, timer = handler_dynamics(made(events, 100))
+    assert twi.duration_cycles.tolist() == [17]
+    assert timer.duration_cycles.tolist() == [5, 8] and timer.interval_cycles.tolist() == [7]
+
+
+def test_the_summary_says_how_often_a_job_is_preempted_at_most(robot: Robot) -> None:
+    """By hand: the first job loses the processor twice, the second never."""
+    kinds = EventKind
+    events: list[Event] = [(0, kinds.RELEASE, 0, 0), (1, kinds.THREAD_RUNNING, 0, 0)]
+    for at in (10, 20):
+        events += [(at, kinds.RELEASE, 1, at), (at, kinds.THREAD_RUNNING, 1, 0)]
+        events += [(at + 5, kinds.COMPLETION, 1, at), (at + 5, kinds.THREAD_RUNNING, 0, 0)]
+    events += [(30, kinds.COMPLETION, 0, 0), (30, kinds.THREAD_RUNNING, IDLE, 0)]
+    events += [(50, kinds.RELEASE, 0, 50), (50, kinds.THREAD_RUNNING, 0, 0)]
+    events += [(60, kinds.COMPLETION, 0, 50), (60, kinds.THREAD_RUNNING, IDLE, 0)]
+    task = dynamics_summary(task_dynamics(robot, made(events, 100)), ())["tasks"]["task_0"]
+    assert (task["jobs"], task["preemptions"], task["preemptions_per_job_max"]) == (2, 2, 2)
 
 
 def test_no_values_make_an_empty_histogram() -> None:

@@ -121,6 +121,12 @@ def test_perfetto_has_a_lane_per_task_and_interrupt_source(tmp_path: Path) -> No
     assert parents["TWI"] == "Interrupts"
     assert parents["worker (priority 1)"] == parents["urgent (priority 5)"] == "Tasks"
     assert parents["motor.B.angular_velocity"] == "Signals"
+    roots = [t for t in trace.tracks.values() if not t.parent_uuid]
+    assert all(t.child_ordering == t.EXPLICIT for t in roots)
+    assert [t.name for t in sorted(roots, key=lambda t: t.sibling_order_rank)] == [
+        *("Interrupts", "Tasks", "Processor", "Inputs", "Motor commands", "Signals"),
+        "LCD and power",
+    ]
 
 
 def test_perfetto_flows_go_from_release_through_execution_to_completion(tmp_path: Path) -> None:

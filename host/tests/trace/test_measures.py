@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from verification.support.recordings import preempted
 
+from ravenbrick.errors import RunFaultError, ScenarioError
 from ravenbrick.project.criteria import parse_expectation
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import (
@@ -21,8 +22,8 @@ from ravenbrick.project.scenario import (
     scenario_path,
 )
 from ravenbrick.project.stimuli import TimedInput
-from ravenbrick.trace.measures import evaluate_criteria, measure_run
-from ravenbrick.trace.recording import Recording, Screen, Signal
+from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
+from ravenbrick.trace.recording import Picture, Recording, Screen, Signal, Stop
 from ravenbrick.trace.verdict import Verdict, judge
 
 MS = 48_055
@@ -117,3 +118,36 @@ def test_what_the_display_shows_is_the_line_with_the_text_and_its_instant(
     missed = shown(robot, scenario, 'lcd shows "stopped"')
     assert (missed.met, missed.value) == (False, "speed 15")
     assert shown(robot, scenario, 'lcd never shows "stopped"').met
+
+
+@pytest.mark.parametrize("reason", ["fault", "halted"])
+def test_a_program_that_failed_or_overflowed_a_stack_did_not_survive(
+    scenario: Scenario, reason: str
+) -> None:
+    """Unless a fault was expected; a stack that overflowed counts in any run."""
+    undisturbed = replace(scenario, inputs=(), stimuli=(), expectations=())
+    shown = Picture(200_000, np.zeros((64, 100), bool), ("ready", ""))
+    lived = replace(preempted(), stop=Stop("reached", 200_000, ""), pictures=(shown,))
+    failed = replace(lived, stop=Stop(reason, 200_000, "tasks.adb:54"))
+    check_survival(undisturbed, lived)
+    for recording in (failed, replace(lived, overflows=("the stack of worker overflowed",))):
+        with pytest.raises(RunFaultError, match=r"tasks\.adb:54|the stack of worker") as caught:
+            check_survival(undisturbed, recording)
+        assert caught.value.detail is not None and "ready" in caught.value.detail
+    expected = replace(undisturbed, expectations=(parse_expectation("a fault", "here"),))
+    check_survival(expected, failed)
+
+
+def test_an_input_after_the_power_went_off_never_happens(scenario: Scenario) -> None:
+    """In the scenario, with its instant, or in a stimulus; at the last cycle it does."""
+    undisturbed = replace(scenario, inputs=(), stimuli=(), expectations=())
+    off = replace(preempted(), stop=Stop("power_off", 10 * MS, ""))
+    check_survival(
+        replace(undisturbed, stimuli=(TimedInput(10 * MS, "touch.1", 1.0, "a.csv:3"),)), off
+    )
+    late = replace(undisturbed, stimuli=(TimedInput(10 * MS + 1, "touch.1", 1.0, "a.csv:3"),))
+    with pytest.raises(ScenarioError, match=r"a.csv:3: 'touch.1' at 0.010000 s never happens"):
+        check_survival(late, off)
+    first = scenario.inputs[0]
+    with pytest.raises(ScenarioError, match=r"at 11 ms never happens: .* off at 10.0 ms"):
+        check_survival(replace(undisturbed, inputs=(replace(first, at_ms=11),)), off)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import pytest
 
 from ravenbrick.clock import Clock
 from ravenbrick.errors import UsageError
-from ravenbrick.trace.recording import EVENT_TYPE, Recording, Signal, Stop
+from ravenbrick.trace.recording import EVENT_TYPE, Picture, Recording, Screen, Signal, Stop, Thread
 
 INSTANTS = np.arange(0, 5_000_000, 50_000, dtype=np.uint64)
 
@@ -61,6 +62,25 @@ def test_a_file_holds_the_recording_and_shared_instants_once(tmp_path: Path) -> 
     with np.load(tmp_path / "run.npz") as arrays:
         names = [name for name in arrays.files if name.startswith("cycles:")]
     assert names == ["cycles:battery.voltage", "cycles:pin.PA17"]
+
+
+def test_pictures_threads_and_screens_are_kept(tmp_path: Path) -> None:
+    """Each of the display's pixels."""
+    pixels = np.random.default_rng(1).integers(2, size=(64, 100)).astype(bool)
+    recording = replace(
+        made(),
+        pictures=(Picture(7, ~pixels, ()), Picture(2**40, pixels, ("speed  12", ""))),
+        threads=(Thread("worker", 1, 1024, 100), Thread("urgent", 5, 2048, 0)),
+        screens=(Screen(9, ("ready",)),),
+        overflows=("worker",),
+        warnings=("port 2",),
+    )
+    recording.save(tmp_path / "run.npz")
+    found = Recording.load(tmp_path / "run.npz")
+    assert [(p.at_cycles, p.text) for p in found.pictures] == [(7, ()), (2**40, ("speed  12", ""))]
+    assert [p.pixels.tolist() for p in found.pictures] == [(~pixels).tolist(), pixels.tolist()]
+    for name in ("threads", "screens", "overflows", "warnings", "clock", "digest", "scenario"):
+        assert getattr(found, name) == getattr(recording, name)
 
 
 def test_a_recording_without_events_and_signals_is_kept(tmp_path: Path) -> None:

@@ -8,17 +8,14 @@ import json
 import random
 from collections import Counter
 from collections.abc import Collection
-from dataclasses import replace
-from fractions import Fraction
 
-import numpy as np
 import pytest
+from verification.support.recordings import Event
+from verification.support.recordings import made as recording
 
 from ravenbrick.catalogue import event_numbers
-from ravenbrick.clock import Clock
-from ravenbrick.errors import ProjectFileError
-from ravenbrick.project.robot import Robot, Task
-from ravenbrick.trace.recording import EVENT_TYPE, IDLE, EventKind, Recording, Stop, Thread
+from ravenbrick.project.robot import Task
+from ravenbrick.trace.recording import IDLE, EventKind, Recording
 from ravenbrick.trace.schedule import (
     IDLE_OWNER,
     INTERRUPT_OWNER,
@@ -31,25 +28,8 @@ from ravenbrick.trace.schedule import (
     stretches,
     task_plan,
 )
-from ravenbrick.trace.task_set import check_release
 
 K = EventKind
-Event = tuple[int, int, int, int]
-MEGAHERTZ = Clock(Fraction(1_000_000))
-
-
-def recording(events: list[Event], end: int, threads: int = 2) -> Recording:
-    """A run with a clock of one cycle per microsecond."""
-    return Recording(
-        scenario="made",
-        clock=MEGAHERTZ,
-        stop=Stop("reached", end, ""),
-        events=np.array(events, dtype=EVENT_TYPE),
-        signals={},
-        threads=tuple(Thread(f"task_{i}", i, 1024, 100) for i in range(threads)),
-        pictures=(),
-        digest="",
-    )
 
 
 def measure_task(run: Recording, thread: int, task: Task | None) -> TaskMeasures:
@@ -230,25 +210,6 @@ def test_without_sleep_events_the_idle_thread_is_idle() -> None:
     """A run-time that spins when idle is measured too."""
     events: list[Event] = [(50, K.THREAD_RUNNING, 0, 0), (75, K.THREAD_RUNNING, IDLE, 0)]
     assert utilization(recording(events, 100)).busy == pytest.approx(0.25)
-
-
-@pytest.mark.parametrize(("off_us", "accepted"), [(0, True), (1, True), (2, False)])
-def test_a_period_may_differ_by_a_microsecond(robot: Robot, off_us: int, accepted: bool) -> None:
-    """As much as the clock's resolution takes from a period that it cannot represent."""
-    own = next(each for each in robot.tasks if each.period_us and each.release == "cyclic")
-    assert own.period_us is not None
-    events: list[Event] = []
-    for number in range(1, 6):
-        at = int(number * (own.period_us + off_us))
-        events += [(at, K.RELEASE, 0, at), (at + 5, K.THREAD_RUNNING, 0, 0)]
-        events += [(at + 20, K.COMPLETION, 0, at), (at + 20, K.THREAD_RUNNING, IDLE, 0)]
-    made = recording(events, 7 * int(own.period_us), threads=1)
-    made = replace(made, threads=(Thread(own.name, own.priority, own.stack_bytes, 100),))
-    if accepted:
-        check_release(robot, made, own.name)
-    else:
-        with pytest.raises(ProjectFileError, match="period_us"):
-            check_release(robot, made, own.name)
 
 
 def test_a_task_without_a_job_has_no_measures() -> None:

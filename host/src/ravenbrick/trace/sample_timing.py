@@ -31,9 +31,8 @@ def sample_timing(recording: Recording, task: str, motor: int) -> SampleTiming:
     if len(starts) < 2:
         raise UsageError(f"the task '{task}' did not run twice; record a longer run")
     place = np.searchsorted(commands, starts[:-1])
-    inside = place < len(commands)
-    following = np.where(inside, commands[np.minimum(place, len(commands) - 1)], 0)
-    known = inside & (following < starts[1:])
+    following = np.append(commands, np.iinfo(np.int64).max)[place]
+    known = following < starts[1:]
     if not known.any():
         raise UsageError(f"no command of '{task}' reached motor {motor} in this run")
     delays = np.where(known, following - starts[:-1], 0)

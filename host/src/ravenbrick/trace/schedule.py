@@ -59,11 +59,6 @@ class Job:
             return None
         return self.completion_cycles - self.release_cycles
 
-    @property
-    def release_latency_cycles(self) -> int | None:
-        """Nominal release to first execution."""
-        return None if self.start_cycles is None else self.start_cycles - self.release_cycles
-
 
 @dataclass(frozen=True)
 class TaskMeasures:

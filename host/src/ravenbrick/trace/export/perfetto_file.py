@@ -25,7 +25,8 @@ BUILT_IN_ROOTS = (("interrupt", "Interrupts"), ("task", "Tasks"), ("processor", 
 SERIES_ROOTS = (("input", "Inputs"), ("command", "Motor commands"), ("signal", "Signals"))
 # Of packets of one instant: slices end before marks, marks come before slices begin.
 END, RELEASE, BEGIN, COUNTER = 0, 1, 2, 3
-Item = tuple[int, int, int, int, str, tuple[int, ...], tuple[int, ...], float]
+# Instant, kind, track, name, flows that pass and that end, value.
+Item = tuple[int, int, int, str, tuple[int, ...], tuple[int, ...], float]
 
 
 class _Tracks:
@@ -85,14 +86,14 @@ def _lane_items(timeline: Timeline, lane: Lane, track: int, first_flow: int) -> 
     ):
         working = owner < len(lane.jobs) and lane.jobs[owner].release_cycles <= at
         flow = (first_flow + owner,) if working else ()
-        yield begin, BEGIN, track, 0, lane.name, flow, (), 0.0
-        yield end, END, track, 0, "", (), (), 0.0
+        yield begin, BEGIN, track, lane.name, flow, (), 0.0
+        yield end, END, track, "", (), (), 0.0
     releases = nanoseconds(clock, [job.release_cycles for job in lane.jobs]).tolist()
     for number, (job, release) in enumerate(zip(lane.jobs, releases, strict=True)):
-        yield release, RELEASE, track, 1, "release", (first_flow + number,), (), 0.0
+        yield release, RELEASE, track, "release", (first_flow + number,), (), 0.0
         if job.completion_cycles is not None:
             at = int(nanoseconds(clock, [job.completion_cycles])[0])
-            yield at, RELEASE, track, 1, "completion", (), (first_flow + number,), 0.0
+            yield at, RELEASE, track, "completion", (), (first_flow + number,), 0.0
 
 
 def _series_items(timeline: Timeline, series: Series, track: int) -> Iterator[Item]:
@@ -101,7 +102,7 @@ def _series_items(timeline: Timeline, series: Series, track: int) -> Iterator[It
     kept[1:] = series.values[1:] != series.values[:-1]
     instants = nanoseconds(timeline.clock, series.cycles[kept]).tolist()
     for at, value in zip(instants, series.values[kept].tolist(), strict=True):
-        yield at, COUNTER, track, 2, "", (), (), value
+        yield at, COUNTER, track, "", (), (), value
 
 
 def _items(timeline: Timeline, tracks: _Tracks) -> list[Item]:
@@ -117,7 +118,7 @@ def _items(timeline: Timeline, tracks: _Tracks) -> list[Item]:
     marks += [(s.at_cycles, " | ".join(line.strip() for line in s.text)) for s in timeline.screens]
     for at_cycles, text in marks:
         at = int(nanoseconds(timeline.clock, [at_cycles])[0])
-        items.append((at, RELEASE, track, 1, text, (), (), 0.0))
+        items.append((at, RELEASE, track, text, (), (), 0.0))
     items.sort(key=lambda item: (item[0], item[1], item[2]))
     return items
 
@@ -129,7 +130,7 @@ def write_perfetto(timeline: Timeline, path: Path) -> tuple[Path, ...]:
     tracks = _Tracks(trace, packets)
     _declare(timeline, tracks)
     items = _items(timeline, tracks)
-    names = {name: i for i, name in enumerate(sorted({item[4] for item in items} - {""}), 1)}
+    names = {name: i for i, name in enumerate(sorted({item[3] for item in items} - {""}), 1)}
     first = trace.packet.add()
     first.trusted_packet_sequence_id = SEQUENCE
     first.sequence_flags = packets.TracePacket.SEQ_INCREMENTAL_STATE_CLEARED
@@ -138,7 +139,7 @@ def write_perfetto(timeline: Timeline, path: Path) -> tuple[Path, ...]:
     event_type = packets.TrackEvent
     types = {END: event_type.TYPE_SLICE_END, BEGIN: event_type.TYPE_SLICE_BEGIN}
     types |= {RELEASE: event_type.TYPE_INSTANT, COUNTER: event_type.TYPE_COUNTER}
-    for at, kind, track, _, name, flows, ended, value in items:
+    for at, kind, track, name, flows, ended, value in items:
         packet = trace.packet.add()
         packet.timestamp = at
         packet.trusted_packet_sequence_id = SEQUENCE
