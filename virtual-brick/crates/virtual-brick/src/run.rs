@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The run: processor steps and skipped idle time between inputs and samples.
 
-use arm7tdmi::Step;
+use arm7tdmi::{BlockBus, Step};
 use at91sam7s::ResetCause;
 
 use crate::assembly;
@@ -140,7 +140,7 @@ impl VirtualBrick {
                 return Err(Break::Observer);
             }
             let (before, stack_pointer) = (next, self.cpu.register(13));
-            let step = if watched {
+            let step = if watched && (profiled || self.chip.observes_arrival(next)) {
                 self.watched_step(observer, profiled)?
             } else {
                 let step = self.step(observer);
@@ -159,7 +159,7 @@ impl VirtualBrick {
         Ok(())
     }
 
-    /// A step while calls are traced, flow is counted or a job is profiled.
+    /// A step of which calls, flow or a job's profile take note.
     #[inline(never)]
     fn watched_step<O: StepObserver>(
         &mut self,
