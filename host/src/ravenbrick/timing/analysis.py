@@ -34,7 +34,7 @@ from ravenbrick.timing.bounds import (
     ExecutionTimeError,
     JobQuestion,
     execution_times,
-    whole_stack,
+    whole_task,
 )
 from ravenbrick.timing.counted_facts import CountedFact, counted_facts
 from ravenbrick.timing.dispatching_calls import DISPATCH_TABLES, DispatchingCalls
@@ -62,6 +62,7 @@ from ravenbrick.timing.kernel import (
     run_time_facts,
     services,
 )
+from ravenbrick.timing.scheduled_interrupts import transfer_tasks
 from ravenbrick.timing.scheduled_tasks import (
     WAITS,
     Change,
@@ -71,7 +72,6 @@ from ravenbrick.timing.scheduled_tasks import (
     periods_us,
     requests_of,
     scheduled_bounds,
-    transfer_tasks,
 )
 from ravenbrick.timing.source_facts import source_facts
 from ravenbrick.timing.suspension import joined_releases, with_operations
@@ -97,7 +97,8 @@ class ModeBounds:
 
 @dataclass(frozen=True)
 class Analysis:
-    """All bounds of an image, before any run; `changed_bounds` are those with changed tasks."""
+    """All bounds of an image, before any run; `changed_bounds` are those with changed tasks,
+    `outside` the tasks with jobs without a deadline."""
 
     tasks: tuple[TaskTiming, ...]
     interrupts: tuple[InterruptCost, ...]
@@ -116,6 +117,7 @@ class Analysis:
     environment: EnvironmentStack = NO_ENVIRONMENT
     requests: tuple[Request, ...] = ()
     kinds: tuple[tuple[KindOfJob, int], ...] = ()
+    outside: frozenset[str] = frozenset()
 
     @property
     def schedulable(self) -> bool:
@@ -363,7 +365,7 @@ def _modes(
 ) -> tuple[ModeBounds, ...]:
     modes = []
     for mode in facts.modes:
-        stated = [(f"{facts.name}, mode '{mode.name}'", mode.annotations)]
+        stated = [(facts.mode_file(mode.name), mode.annotations)]
         rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
         found = _scheduled(partial(of_facts, rates), executions_of(stated))
         in_mode = {t.task.name: t.job.cycles for t in found.timings}
@@ -422,8 +424,8 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
     asked = dict(zip((task.name for task in tasks), questions, strict=True))
     kinds_of = partial(_kinds, image, facts, asked, timing)
     if facts.outside:
-        whole = [whole_stack(image.content, annotations, one) for one in questions]
-        jobs = [(t, replace(j, **stack)) for (t, j), stack in zip(jobs, whole, strict=True)]
+        whole = [whole_task(image.content, annotations, one) for one in questions]
+        jobs = [(t, replace(j, **more)) for (t, j), more in zip(jobs, whole, strict=True)]
     environment = environment_stack(image, brick, annotations)
     jobs = [(task, environment.of_job(task.name, job)) for task, job in jobs]
     background = background.with_stacks(environment)
@@ -458,6 +460,7 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
         environment,
         requests_of(facts, costs, [*jobs, *background.all_threads]),
         tuple(executions[0].kinds),
+        frozenset(task.name for task in tasks if facts.outside_of(task.name)),
     )
 
 
@@ -467,8 +470,16 @@ def _counted(
     facts: Facts,
     annotations: Sequence[tuple[str, str]],
 ) -> tuple[CountedFact, ...]:
-    """Facts of the project, the drivers and the sources, and targets in dispatch tables."""
+    """Facts of the project, the drivers and the sources, and targets in dispatch tables; then those
+    of modes."""
     outside = f"{facts.name}, [[outside]]"
     files = {facts.name, outside, "pragma Annotate", DISPATCH_TABLES}
     files |= {name for name, _ in facts.shared}
-    return counted_facts(image.content, roots, [*annotations, (outside, facts.outside)], files)
+    known = [*annotations, (outside, facts.outside)]
+    found = counted_facts(image.content, roots, known, files)
+    for mode in facts.modes:
+        name = facts.mode_file(mode.name)
+        stated = [*known, (name, mode.annotations)]
+        more = counted_facts(image.content, roots, stated, {name})
+        found += tuple(replace(fact, mode=mode.name) for fact in more)
+    return found

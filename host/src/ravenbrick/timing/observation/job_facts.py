@@ -29,13 +29,15 @@ TOLERANCE_CYCLES = 48
 
 @dataclass(frozen=True)
 class FactCount:
-    """A fact, what it declares, what was seen, and where that was too much, in words."""
+    """A fact, what it declares, what was seen, and where that was too much, in words; the mode in
+    which it holds, empty for always."""
 
     fact: str
     place: str
     declared: int
     seen: int
     excess: str = ""
+    mode: str = ""
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""

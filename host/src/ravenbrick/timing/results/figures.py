@@ -170,7 +170,7 @@ def windows_figure(
     """The critical instant of a task above its worst job of the run, on the same scale; `what` is
     the run in words."""
     bound = analysis.bounds[task].bound
-    worst = worst_job(robot, recording, task)
+    worst = worst_job(robot, recording, task, analysis.outside)
     if bound is None or worst is None or worst.response_time_cycles is None:
         return None
     begin, seen = worst.release_cycles, microseconds(worst.response_time_cycles)
