@@ -40,7 +40,6 @@ from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of
 from ravenbrick.trace.task_set import check_shortest_interval
 
-
 OUTSIDE = """[[outside]]
 symbol = "workers__seldom"
 task = "control"
@@ -162,8 +161,9 @@ def test_a_search_after_which_the_task_is_released_anew_is_outside(tmp_path: Pat
 
 def test_code_outside_of_jobs_delays_less_urgent_tasks_and_not_its_own(tmp_path: Path) -> None:
     """The cycles that are stated, and a call of the alarm with the return to the listener."""
-    stated = changed(tmp_path, "[[loop]]", OUTSIDE + "[[loop]]")
-    few = changed(tmp_path, "[[loop]]", OUTSIDE.replace("90_000", "1") + "[[loop]]")
+    fact = OUTSIDE.replace("1_000", "8_000") + "[[loop]]"
+    stated = changed(tmp_path, "[[loop]]", fact)
+    few = changed(tmp_path, "[[loop]]", fact.replace("90_000", "1"))
     bounds, less = (analysed(found, found.facts).bounds for found in (stated, few))
     assert bounds["control"].bound == less["control"].bound
     longer, shorter = bounds["listener"].bound, less["listener"].bound
@@ -173,7 +173,7 @@ def test_code_outside_of_jobs_delays_less_urgent_tasks_and_not_its_own(tmp_path:
 
 MODE = """
 [[mode]]
-name = "calm"
+name = "short"
 reason = ""
 
 [[mode.never]]
@@ -189,14 +189,14 @@ iterations = 30
 def test_a_run_that_leaves_a_mode_is_told_and_not_compared_with_it(tmp_path: Path) -> None:
     counts, recording = counted(changed(tmp_path, "[[loop]]", MODE + "[[loop]]"))
     check_facts_of_run(counts, "the run")
-    left = left_modes(counts, "the run")["calm"]
+    left = left_modes(counts, "the run")["short"]
     assert "[[mode." in left and ", job " in left and " of control, workers.adb:" in left
-    found = changed(tmp_path, "[[loop]]", MODE.replace("seldom", "sum").replace("30", "90"))
+    found = changed(tmp_path, "[[loop]]", MODE.replace("30", "90") + "[[loop]]")
     analysis, seen = analysed(found, found.facts), observe(found.robot, recording)
-    (mode,) = result_of(analysis, seen, left={"calm": left})["tasks"][0]["modes"]
+    (mode,) = result_of(analysis, seen, left={"short": left})["tasks"][0]["modes"]
     assert (mode["left"], mode["ratio"], mode["response_max_seen_cycles"]) == (left, None, None)
     (mode,) = result_of(analysis, seen)["tasks"][0]["modes"]
-    assert mode["left"] == "" and mode["ratio"] > 1
+    assert mode["left"] == "" and mode["ratio"] is not None
 
 
 def test_a_wrong_fact_shows_in_the_own_time_of_the_job_too(tmp_path: Path) -> None:

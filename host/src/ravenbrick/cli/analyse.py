@@ -127,7 +127,7 @@ class _Search:
     seen: dict[str, Observed]
     undisturbed: dict[str, Observed]
     worst: Mapping[str, WorstSample]
-    calm: Mapping[str, WorstSample]
+    faultless: Mapping[str, WorstSample]
     exceeded: Mapping[str, WorstSample]
     more: dict[str, Any]
 
@@ -148,7 +148,7 @@ def _search(
     variants, hours, transfer_cycles = wanted
     seen = undisturbed = observe(robot, recording, transfer_cycles, outside)
     worst: Mapping[str, WorstSample] = {}
-    calm: Mapping[str, WorstSample] = {}
+    faultless: Mapping[str, WorstSample] = {}
     exceeded: Mapping[str, WorstSample] = {}
     more: dict[str, Any] = {}
     if variants:
@@ -165,7 +165,7 @@ def _search(
                 facts_counted=facts_counted,
             )
         worst = found.worst
-        calm, exceeded = found.undisturbed, found.exceeded
+        faultless, exceeded = found.undisturbed, found.exceeded
         seen, undisturbed = largest(seen, worst), largest(seen, found.undisturbed)
         more["worst_case_search"] = found.plain()
     if hours:
@@ -176,7 +176,7 @@ def _search(
             )
             step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
         more["long_run"] = run.plain()
-    return _Search(seen, undisturbed, worst, calm, exceeded, more)
+    return _Search(seen, undisturbed, worst, faultless, exceeded, more)
 
 
 def _of_image(facts: Facts, image: ElfImage) -> Facts:
@@ -209,8 +209,8 @@ def _check_facts(
         }
 
     own = f"the run '{recording.scenario}'"
-    calm = {own: recording, **named(found.calm.values())}
-    runs = calm | named([*found.worst.values(), *found.exceeded.values()])
+    faultless = {own: recording, **named(found.faultless.values())}
+    runs = faultless | named([*found.worst.values(), *found.exceeded.values()])
     counts, left = [], dict[str, str]()
     for what, run in runs.items():
         if run is not None:
@@ -219,7 +219,7 @@ def _check_facts(
             )
             counts.append([*found_counts, *outside_counts(robot, facts, run, transfer_cycles)])
             check_facts_of_run(counts[-1], what)
-            left = left_modes(counts[-1] if what in calm else [], what) | left
+            left = left_modes(counts[-1] if what in faultless else [], what) | left
             check_event_rates(robot, facts, run)
             check_job_kinds(robot, analysis, run, transfer_cycles)
             for timing in analysis.tasks:
