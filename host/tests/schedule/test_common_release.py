@@ -63,9 +63,10 @@ def ending_outside_of_sections(seed: int) -> tuple[TaskSet, list[ResponseTimeBou
     """A less urgent task that is over about a release of a more urgent one, and ends outside
     of its section; the bounds without that section; whether one is closer for that."""
     rng = random.Random(seed)
-    fast = Task("fast", 20, rng.randint(1, 3), 2, phase=0)
-    interrupt = Task("interrupt", 60, rng.randint(1, 4), 3, release="interrupt")
-    wcet = 20 - fast.wcet - interrupt.wcet - rng.randint(-6, 2)
+    short, burst = rng.randint(1, 3), rng.randint(1, 4)
+    fast = Task("fast", 20, short, 2, phase=0)
+    interrupt = Task("interrupt", 60, burst, 3, release="interrupt")
+    wcet = 20 - short - burst - rng.randint(-6, 2)
     length = rng.randint(2, wcet - 1)
     inside = CriticalSection("shared", length, rng.randint(0, wcet - 1 - length))
     slow = Task("slow", 60, wcet, 1, phase=0, sections=(inside,))
