@@ -131,8 +131,6 @@ def _varied(
         begin = rng.randrange(end)
         found.append(TimedInput(begin, name, 1.0))
         found.append(TimedInput(begin + rng.randrange(1, 5 * span), name, 0.0))
-    if rng.random() < 0.25:
-        found.append(TimedInput(rng.randrange(end), SUPPLY, rng.uniform(*LOW_SUPPLY_V)))
     kept = [replace(i, at_cycles=min(max(i.at_cycles, 1), end - 1)) for i in found]
     return tuple(sorted(kept, key=lambda timed: timed.at_cycles))
 
@@ -140,7 +138,8 @@ def _varied(
 def _disturbed(
     inputs: Sequence[TimedInput], end: int, rng: random.Random
 ) -> tuple[TimedInput, ...]:
-    """Some wrong checksums, or a bus that is held for a while."""
+    """Some wrong checksums, or a bus that is held for a while; perhaps a battery nearly empty, with
+    which the link may be lost too."""
     begin = rng.randrange(1, end)
     if rng.random() < 0.5:
         wrong = float(rng.randrange(1, MOST_WRONG_SUMS))
@@ -149,6 +148,8 @@ def _disturbed(
         length = rng.randrange(1, MASTER_CLOCK.cycles_of_ms(STUCK_AT_MOST_MS))
         back = min(begin + length, end)
         found = [*inputs, TimedInput(begin, STUCK, 1.0), TimedInput(back, STUCK, 0.0)]
+    if rng.random() < 0.5:
+        found.append(TimedInput(rng.randrange(1, end), SUPPLY, rng.uniform(*LOW_SUPPLY_V)))
     return tuple(sorted(found, key=lambda timed: timed.at_cycles))
 
 
@@ -317,7 +318,7 @@ def search_worst_case(
     for variant in range(variants):
         disturbed = variant % 2 == 1
         best = [sample.inputs for sample in (worst if disturbed else undisturbed).values()]
-        best += [sample.inputs for sample in facts.values()]
+        best += [one.inputs for one in facts.values() if disturbed or one.variant % 2 == 0]
         base = original if not best or rng.random() < FRESH else rng.choice(best)
         if disturbed and undisturbed and rng.random() < AIMED:
             # Each task in turn, the least urgent first, meets a greeting and a reset.
