@@ -27,8 +27,8 @@ from verification.support.timing.programs import HERE, Subject, analysed, subjec
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import read_robot
-from ravenbrick.timing.counted_facts import points_text
-from ravenbrick.timing.facts import read_facts
+from ravenbrick.timing.facts.counted_facts import points_text
+from ravenbrick.timing.facts.facts import read_facts
 from ravenbrick.timing.observation.fact_counts import (
     check_facts_of_run,
     fact_counts,

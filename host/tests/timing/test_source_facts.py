@@ -12,8 +12,8 @@ from verification.support.projects import VEHICLE
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import read_robot
-from ravenbrick.timing.facts import read_facts
-from ravenbrick.timing.source_facts import loop_statements, statements_text
+from ravenbrick.timing.facts.facts import read_facts
+from ravenbrick.timing.facts.source_facts import loop_statements, statements_text
 
 SOURCE = Path("worker.adb")
 TEXT = """\

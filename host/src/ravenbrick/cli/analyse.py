@@ -26,8 +26,9 @@ from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.chain import ChainDelay, chain_delay
-from ravenbrick.timing.counted_facts import points_text
-from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.facts.counted_facts import points_text
+from ravenbrick.timing.facts.facts import Facts, read_facts
+from ravenbrick.timing.facts.unmatched_facts import check_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import (
     check_facts_of_run,
@@ -69,8 +70,7 @@ from ravenbrick.timing.results.result import advice, microseconds, result_of
 from ravenbrick.timing.results.stacks import MAY_OVERFLOW, check_stacks
 from ravenbrick.timing.results.task_set_file import task_set_text
 from ravenbrick.timing.results.worst_path import worst_paths
-from ravenbrick.timing.scheduled_interrupts import STOLEN_CYCLES
-from ravenbrick.timing.unmatched_facts import check_facts
+from ravenbrick.timing.task_set.scheduled_interrupts import STOLEN_CYCLES
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_shortest_interval, check_task_set

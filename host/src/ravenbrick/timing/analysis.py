@@ -21,14 +21,6 @@ from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.offsets import Request
 from ravenbrick.schedule.response_time import ResponseTimeBound
-from ravenbrick.timing.alarm import alarm_costs
-from ravenbrick.timing.background import (
-    NO_BACKGROUND,
-    Background,
-    background_of,
-    endless_words,
-    main_symbol,
-)
 from ravenbrick.timing.bounds import (
     Bound,
     ExecutionTimeError,
@@ -36,21 +28,20 @@ from ravenbrick.timing.bounds import (
     execution_times,
     whole_task,
 )
-from ravenbrick.timing.counted_facts import CountedFact, counted_facts
-from ravenbrick.timing.dispatching_calls import DISPATCH_TABLES, DispatchingCalls
+from ravenbrick.timing.dispatch.dispatching_calls import DISPATCH_TABLES, DispatchingCalls
 from ravenbrick.timing.environment_stack import (
     NO_ENVIRONMENT,
     EnvironmentStack,
     environment_stack,
 )
-from ravenbrick.timing.events import EventCost, event_costs, event_count, handlers_of_events
-from ravenbrick.timing.facts import TIMING_FILE, Facts, KindOfJob, Mode, annotations_of
+from ravenbrick.timing.facts.counted_facts import CountedFact, counted_facts
+from ravenbrick.timing.facts.facts import TIMING_FILE, Facts, KindOfJob, Mode, annotations_of
+from ravenbrick.timing.facts.source_facts import source_facts
 from ravenbrick.timing.initial_state import (
     ENVIRONMENT,
     ProtectedObject,
     attached_handlers,
 )
-from ravenbrick.timing.interrupt_blocking import interrupt_blocking
 from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
     DISPATCH,
@@ -62,8 +53,23 @@ from ravenbrick.timing.kernel import (
     run_time_facts,
     services,
 )
-from ravenbrick.timing.scheduled_interrupts import transfer_tasks
-from ravenbrick.timing.scheduled_tasks import (
+from ravenbrick.timing.task_set.alarm import alarm_costs
+from ravenbrick.timing.task_set.background import (
+    NO_BACKGROUND,
+    Background,
+    background_of,
+    endless_words,
+    main_symbol,
+)
+from ravenbrick.timing.task_set.events import (
+    EventCost,
+    event_costs,
+    event_count,
+    handlers_of_events,
+)
+from ravenbrick.timing.task_set.interrupt_blocking import interrupt_blocking
+from ravenbrick.timing.task_set.scheduled_interrupts import transfer_tasks
+from ravenbrick.timing.task_set.scheduled_tasks import (
     WAITS,
     Change,
     Executions,
@@ -73,8 +79,7 @@ from ravenbrick.timing.scheduled_tasks import (
     requests_of,
     scheduled_bounds,
 )
-from ravenbrick.timing.source_facts import source_facts
-from ravenbrick.timing.suspension import joined_releases, with_operations
+from ravenbrick.timing.task_set.suspension import joined_releases, with_operations
 from ravenbrick.trace.task_set import check_names
 
 __all__ = [

@@ -18,8 +18,8 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
 from ravenbrick.schedule.offsets import Request
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.counted_facts import CountedFact
-from ravenbrick.timing.facts import Facts, InterruptLoad
+from ravenbrick.timing.facts.counted_facts import CountedFact
+from ravenbrick.timing.facts.facts import Facts, InterruptLoad
 from ravenbrick.timing.observation.job_facts import (
     TOLERANCE_CYCLES,
     FactCount,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot
 from ravenbrick.schedule.offsets import Request
-from ravenbrick.timing.facts import SOURCE_NUMBERS, Facts
+from ravenbrick.timing.facts.facts import SOURCE_NUMBERS, Facts
 from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import all_jobs, jobs_of

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Task
-from ravenbrick.timing.facts import Facts
+from ravenbrick.timing.facts.facts import Facts
 from ravenbrick.timing.observation.job_facts import TOLERANCE_CYCLES, FactCount
 
 __all__ = ["have_deadline", "outside_count"]

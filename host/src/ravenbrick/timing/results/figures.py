@@ -17,7 +17,7 @@ from ravenbrick.timing.chain import ChainDelay
 from ravenbrick.timing.observation.observed import worst_job
 from ravenbrick.timing.results.phase_margin import Loop, phase_margin
 from ravenbrick.timing.results.result import microseconds
-from ravenbrick.timing.scheduled_tasks import TaskTiming
+from ravenbrick.timing.task_set.scheduled_tasks import TaskTiming
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import INTERRUPT_OWNER, stretches
 

@@ -10,13 +10,13 @@ from fractions import Fraction
 
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.schedule.model import Task as ScheduledTask
-from ravenbrick.timing.alarm import AlarmCosts, coarse_alarm, exact_cycles
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.events import EventCost
-from ravenbrick.timing.facts import EventLoad, Facts, InterruptLoad, TransferLoad
+from ravenbrick.timing.facts.facts import EventLoad, Facts, InterruptLoad, TransferLoad
 from ravenbrick.timing.initial_state import ALARM_SOURCE
-from ravenbrick.timing.interrupt_blocking import InterruptBlocking
 from ravenbrick.timing.kernel import InterruptCost
+from ravenbrick.timing.task_set.alarm import AlarmCosts, coarse_alarm, exact_cycles
+from ravenbrick.timing.task_set.events import EventCost
+from ravenbrick.timing.task_set.interrupt_blocking import InterruptBlocking
 from ravenbrick.trace.interrupts import source_name
 
 __all__ = [

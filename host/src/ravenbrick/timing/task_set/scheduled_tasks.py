@@ -19,18 +19,18 @@ from ravenbrick.schedule.response_time import (
     response_time_bound,
     response_time_bounds,
 )
-from ravenbrick.timing.alarm import AlarmCosts, exact_cycles
-from ravenbrick.timing.background import Background
 from ravenbrick.timing.bounds import Bound
-from ravenbrick.timing.facts import Facts, KindOfJob
-from ravenbrick.timing.interrupt_blocking import InterruptBlocking
+from ravenbrick.timing.facts.facts import Facts, KindOfJob
 from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND, InterruptCost, Services
-from ravenbrick.timing.scheduled_interrupts import (
+from ravenbrick.timing.task_set.alarm import AlarmCosts, exact_cycles
+from ravenbrick.timing.task_set.background import Background
+from ravenbrick.timing.task_set.interrupt_blocking import InterruptBlocking
+from ravenbrick.timing.task_set.scheduled_interrupts import (
     expiries,
     interrupts_seen_by,
     scheduled_interrupts,
 )
-from ravenbrick.timing.suspension import suspension_of
+from ravenbrick.timing.task_set.suspension import suspension_of
 from ravenbrick.trace.interrupts import source_name
 
 __all__ = [

@@ -23,11 +23,11 @@ from typing import Any, TypeVar
 from elftools.common.exceptions import ELFError
 from elftools.elf.elffile import ELFFile
 
-from ravenbrick.timing.ada_library import AdaLibrary, Place, read_library
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.dispatch_code import DispatchCode
-from ravenbrick.timing.dispatch_tables import DispatchTables
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.dispatch.ada_library import AdaLibrary, Place, read_library
+from ravenbrick.timing.dispatch.dispatch_code import DispatchCode
+from ravenbrick.timing.dispatch.dispatch_tables import DispatchTables
+from ravenbrick.timing.facts.facts import annotations_of
 
 __all__ = ["DISPATCH_TABLES", "DispatchingCalls"]
 

@@ -12,7 +12,7 @@ from ravenbrick.errors import ProjectFileError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.installation import brick_module
 from ravenbrick.schemas.located_toml import KeyPath, LocatedToml
-from ravenbrick.timing.facts import Facts, annotations_of, has_unit, place_of
+from ravenbrick.timing.facts.facts import Facts, annotations_of, has_unit, place_of
 
 __all__ = ["check_annotation_file", "check_facts"]
 
