@@ -11,7 +11,7 @@ from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.timing.analysis import analyse
-from ravenbrick.timing.facts import read_facts
+from ravenbrick.timing.facts.facts import read_facts
 from ravenbrick.timing.initial_state import elaborated
 
 from verification.benchmarks import analysis_growth

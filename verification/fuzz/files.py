@@ -44,7 +44,7 @@ from ravenbrick.telemetry import messages, replay
 from ravenbrick.telemetry.frames import FRAME_END, LONGEST_CONTENT, FrameReader, frame
 from ravenbrick.telemetry.picture import signals_figure
 from ravenbrick.telemetry.window import LiveFigure
-from ravenbrick.timing.facts import read_facts
+from ravenbrick.timing.facts.facts import read_facts
 from ravenbrick.trace.recording import EVENT_TYPE, Recording, Signal, Stop
 
 from verification.fuzz.mutation import mutate_bytes

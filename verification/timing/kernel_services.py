@@ -19,7 +19,7 @@ from pathlib import Path
 
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.timing.bounds import execution_times
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.facts.facts import annotations_of
 from ravenbrick.timing.initial_state import attached_handlers
 from ravenbrick.timing.kernel import (
     DELAY_UNTIL,

@@ -11,8 +11,8 @@ from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import body_of, known_facts
 from ravenbrick.timing.bounds import JobQuestion
-from ravenbrick.timing.facts import Facts, read_facts
-from ravenbrick.timing.scheduled_tasks import WAITS
+from ravenbrick.timing.facts.facts import Facts, read_facts
+from ravenbrick.timing.task_set.scheduled_tasks import WAITS
 
 from verification.support.paths import ROOT
 

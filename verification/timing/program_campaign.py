@@ -30,9 +30,8 @@ from ravenbrick.schedule.model import Task as ScheduledTask
 from ravenbrick.schedule.offsets import synchronous_bound
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.response_time import response_time_bound
-from ravenbrick.timing.alarm import AlarmCosts, alarm_costs
 from ravenbrick.timing.bounds import Bound, execution_times
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.facts.facts import annotations_of
 from ravenbrick.timing.initial_state import Handler
 from ravenbrick.timing.kernel import (
     ALARM_LATENESS_CYCLES,
@@ -43,6 +42,7 @@ from ravenbrick.timing.kernel import (
     run_time_facts,
     services,
 )
+from ravenbrick.timing.task_set.alarm import AlarmCosts, alarm_costs
 from ravenbrick.trace.recording import EventKind, decode_events
 
 from verification.support.timing import programs

@@ -37,7 +37,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ravenbrick.timing.bounds import Bounds, ExecutionTimeError, execution_times
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.facts.facts import annotations_of
 
 from verification.support.paths import ROOT
 

@@ -143,20 +143,18 @@ package body NXT.Bluetooth is
       end case;
    end Handle_Message;
 
-   Messages_Per_Poll : constant := 2;
+   Bytes_Per_Poll : constant := 24;
    --  That a call of Poll takes; the next ones are taken by the next call.
 
-   --  Messages, if there are any. Not to be called while the stream is open.
+   --  A message, if one is complete. Not to be called while the stream is open.
    procedure Handle_Messages is
       Item  : Message;
       Found : Boolean;
    begin
-      for Count in 1 .. Messages_Per_Poll loop
-         Receive (Item, Found);
-         exit when not Found;
+      Receive (Item, Found, Most_Bytes => Bytes_Per_Poll);
+      if Found then
          Handle_Message (Item);
-         exit when Current_State = Opening;
-      end loop;
+      end if;
    end Handle_Messages;
 
    procedure Leave_Stream (Closed_By_Module : Boolean) is

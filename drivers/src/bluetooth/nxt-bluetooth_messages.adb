@@ -6,12 +6,6 @@ with NXT.Bluetooth_Line;
 
 package body NXT.Bluetooth_Messages is
 
-   Check_Length : constant := 2;
-   Overhead     : constant := 1 + Check_Length;
-   --  Code and sum: what the length counts besides the arguments.
-
-   Longest_Message : constant := 1 + Overhead + Longest_Arguments;
-
    procedure Send (Code : Byte; Arguments : Byte_Array := No_Arguments) is
       Sum   : Unsigned_16 := Unsigned_16 (Code);
       Frame : Byte_Array (1 .. Longest_Message);
@@ -87,12 +81,14 @@ package body NXT.Bluetooth_Messages is
       end if;
    end Accept_Byte;
 
-   procedure Receive (Item : out Message; Found : out Boolean) is
+   procedure Receive
+     (Item : out Message; Found : out Boolean; Most_Bytes : Positive := Longest_Message)
+   is
       Next  : Byte;
       Comes : Boolean;
    begin
       Found := False;
-      for Count in 1 .. Longest_Message loop
+      for Count in 1 .. Most_Bytes loop
          Bluetooth_Line.Receive (Next, Comes);
          exit when not Comes;
          Accept_Byte (Next, Found);

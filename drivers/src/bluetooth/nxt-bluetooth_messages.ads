@@ -24,9 +24,15 @@ package NXT.Bluetooth_Messages is
    procedure Send (Code : Byte; Arguments : Byte_Array := No_Arguments) with
      Pre => Arguments'Length <= Longest_Arguments;
 
-   procedure Receive (Item : out Message; Found : out Boolean);
+   Check_Length    : constant := 2;
+   Overhead        : constant := 1 + Check_Length;
+   Longest_Message : constant := 1 + Overhead + Longest_Arguments;
+   --  Overhead: code and sum, what the length counts besides the arguments.
+
+   procedure Receive
+     (Item : out Message; Found : out Boolean; Most_Bytes : Positive := Longest_Message);
    --  The next message that has come whole and right, if any. Longer ones are passed over. A call
-   --  takes as many bytes as the longest message has; it is called again while there may be more.
+   --  takes Most_Bytes at most; it is called again while there may be more.
 
    procedure Restart;
    --  Forget the beginning of a message.

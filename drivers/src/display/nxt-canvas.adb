@@ -60,6 +60,7 @@ package body NXT.Canvas is
          Shape : constant Fonts.Glyph := Fonts.Shape_Of (Letter);
       begin
          for Part in Shape'Range loop
+            pragma Annotate (Ravenbrick, Iterations, 5, "the columns of a letter");
             Content (At_Row) (Left + Part) := Shape (Part);
          end loop;
       end Draw;

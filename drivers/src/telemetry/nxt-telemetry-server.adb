@@ -10,8 +10,8 @@ package body NXT.Telemetry.Server is
 
    Silence_Limit  : constant Time_Span := Seconds (3);
    Status_Period  : constant Time_Span := Seconds (1);
-   Chunk          : constant := 32;
-   Chunks_Per_Job : constant := 2;
+   Chunk          : constant := 64;
+   --  What a job takes at most.
    Longest_Line   : constant := Longest_Message + Frames.Overhead;
 
    task Server_Task with Priority => Priority, Storage_Size => Stack_Bytes;
@@ -28,6 +28,7 @@ package body NXT.Telemetry.Server is
 
    type State is record
       Listening   : Boolean := False;
+      Switched    : Boolean := False;
       Refuse      : Boolean := False;
       Described   : Description := Description'Last;
       Changes     : Change_Queue;
@@ -37,7 +38,8 @@ package body NXT.Telemetry.Server is
       Sent        : Unsigned_32 := 0;
       Host        : Frames.Reader;
    end record;
-   --  Described: descriptions sent since the host asked.
+   --  Switched: the host asked for samples, anew or no longer, in this job. Described: descriptions
+   --  sent since it asked.
 
    Server_State : State;
    Outgoing     : Builder;
@@ -83,14 +85,14 @@ package body NXT.Telemetry.Server is
             Server_State.Listening := True;
             Server_State.Described := 0;
             Server_State.Next_Status := Now;
-            Listen (True);
+            Server_State.Switched := True;
          when Ask_Other_Version =>
             Server_State.Refuse := True;
          when Set_Parameter =>
             Queue_Change;
          when Stop =>
             Server_State.Listening := False;
-            Listen (False);
+            Server_State.Switched := True;
       end case;
    end Apply_Request;
 
@@ -99,17 +101,13 @@ package body NXT.Telemetry.Server is
       Last     : Natural;
       Complete : Boolean;
    begin
-      for Round in 1 .. Chunks_Per_Job loop
-         pragma Annotate (Ravenbrick, Iterations, 2, "Chunks_Per_Job");
-         Receive (Data, Last);
-         for Item of Data (1 .. Last) loop
-            pragma Annotate (Ravenbrick, Iterations, 32, "Chunk");
-            Frames.Feed (Server_State.Host, Item, Complete);
-            if Complete then
-               Apply_Request (Now);
-            end if;
-         end loop;
-         exit when Last < Data'Last;
+      Receive (Data, Last);
+      for Item of Data (1 .. Last) loop
+         pragma Annotate (Ravenbrick, Iterations, 64, "Chunk");
+         Frames.Feed (Server_State.Host, Item, Complete);
+         if Complete then
+            Apply_Request (Now);
+         end if;
       end loop;
    end Receive_Frames;
 
@@ -178,7 +176,11 @@ package body NXT.Telemetry.Server is
          Receive_Frames (Now);
          if Server_State.Listening and then Now - Server_State.Last_Heard > Silence_Limit then
             Server_State.Listening := False;
-            Listen (False);
+            Server_State.Switched := True;
+         end if;
+         if Server_State.Switched then
+            Server_State.Switched := False;
+            Listen (Server_State.Listening);
          end if;
          Send_Frames (Now);
          Next := Next + Period;

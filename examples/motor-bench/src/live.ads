@@ -33,6 +33,7 @@ package Live with Elaborate_Body is
      (Program_Name => "motor-bench",
       Priority     => System.Priority'First,
       Period_Ms    => 20,
-      Stack_Bytes  => 1_024);
+      Stack_Bytes  => 1_024,
+      Most_Frames  => 6);
 
 end Live;

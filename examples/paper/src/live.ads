@@ -38,7 +38,7 @@ package Live with Elaborate_Body is
       Priority     => System.Priority'First + 1,
       Period_Ms    => 20,
       Stack_Bytes  => 1_024,
-      Most_Frames  => 8);
+      Most_Frames  => 6);
    --  Above the main procedure, which never ends.
 
 end Live;

@@ -59,15 +59,21 @@ package body Air is
       Data     : NXT.Bytes.Byte_Array (1 .. Chunk);
       Length   : Natural;
       Complete : Boolean;
+      Latest   : Command;
+      Is_Heard : Boolean := False;
    begin
       Receive (Data, Length);
       for Item of Data (1 .. Length) loop
          pragma Annotate (Ravenbrick, Iterations, 32, "Chunk");
          NXT.Frames.Feed (Line, Item, Complete);
          if Complete and then Is_Command (Line) then
-            Last.Set (To_Command (Line), Clock);
+            Latest := To_Command (Line);
+            Is_Heard := True;
          end if;
       end loop;
+      if Is_Heard then
+         Last.Set (Latest, Clock);
+      end if;
    end Hear;
 
    --  Its waits are none of the task's own.

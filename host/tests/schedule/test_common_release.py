@@ -17,6 +17,7 @@ from verification.support.timing.random_task_sets import (
     with_sections,
 )
 
+from ravenbrick.schedule.blocking import blocking_candidates
 from ravenbrick.schedule.demand import Source
 from ravenbrick.schedule.model import NO_OVERHEADS, CriticalSection, Task, TaskSet
 from ravenbrick.schedule.offsets import (
@@ -27,7 +28,11 @@ from ravenbrick.schedule.offsets import (
     phased_response_time_bounds,
 )
 from ravenbrick.schedule.quantity import Time
-from ravenbrick.schedule.response_time import response_time_bound, response_time_bounds
+from ravenbrick.schedule.response_time import (
+    ResponseTimeBound,
+    response_time_bound,
+    response_time_bounds,
+)
 from ravenbrick.schedule.simulation import simulate
 
 SEEDS = range(60)
@@ -52,6 +57,52 @@ def test_no_run_exceeds_a_bound_without_blocking_by_jobs_that_are_over(seed: int
         run = simulate(task_set, 400, releases=random_releases(10 * seed + pattern))
         for name, bound in bounds.items():
             assert bound is not None and (run.response_time_max(name) or 0) <= bound
+
+
+def ending_outside_of_sections(seed: int) -> tuple[TaskSet, list[ResponseTimeBound], bool]:
+    """A less urgent task that is over about a release of a more urgent one, and ends outside
+    of its section; the bounds without that section; whether one is closer for that."""
+    rng = random.Random(seed)
+    short, burst = rng.randint(1, 3), rng.randint(1, 4)
+    fast = Task("fast", 20, short, 2, phase=0)
+    interrupt = Task("interrupt", 60, burst, 3, release="interrupt")
+    wcet = 20 - short - burst - rng.randint(-6, 2)
+    length = rng.randint(2, wcet - 1)
+    inside = CriticalSection("shared", length, rng.randint(0, wcet - 1 - length))
+    slow = Task("slow", 60, wcet, 1, phase=0, sections=(inside,))
+    fast = replace(fast, sections=(CriticalSection("shared", 1),))
+    task_set = TaskSet((interrupt, fast, slow))
+
+    def bounds(closer: bool) -> list[ResponseTimeBound]:
+        def stated(task: Task, absent: frozenset[str], ended: frozenset[str]) -> Time:
+            out = absent | ended if closer else absent
+            found = blocking_candidates(task_set, task, NO_OVERHEADS)
+            return max((b.time for b in found if b.task not in out), default=0)
+
+        known = replace(plain_responses(task_set), blocking=stated)
+        return [
+            phased_response_time_bound(task_set, task, NO_OVERHEADS, known) for task in (fast, slow)
+        ]
+
+    found = bounds(closer=True)
+    return task_set, found, found != bounds(closer=False)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_run_exceeds_a_bound_without_sections_of_jobs_that_are_over_by_a_release(
+    seed: int,
+) -> None:
+    task_set, bounds, _ = ending_outside_of_sections(seed)
+    interrupt = task_set.task("interrupt")
+    for phase in range(60):
+        run = simulate(task_set.with_task(replace(interrupt, release="cyclic", phase=phase)), 240)
+        for found in bounds:
+            assert found.bound is not None
+            assert (run.response_time_max(found.task.name) or 0) <= found.bound
+
+
+def test_sections_of_jobs_that_are_over_by_a_release_make_bounds_longer() -> None:
+    assert sum(ending_outside_of_sections(seed)[2] for seed in SEEDS) > len(SEEDS) / 6
 
 
 def test_a_less_urgent_job_that_is_over_blocks_nobody() -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 from ravenbrick.schedule.model import Overheads
-from ravenbrick.timing.alarm import COARSE_ALARM, AlarmCosts, coarse_alarm, exact_cycles
+from ravenbrick.timing.task_set.alarm import COARSE_ALARM, AlarmCosts, coarse_alarm, exact_cycles
 
 # 65 000 counts of 1024 master clock cycles (48 054 857 Hz), by hand: 1.385 s.
 LONGEST_US = 1_385_083

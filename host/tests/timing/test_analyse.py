@@ -27,8 +27,9 @@ from ravenbrick.schedule.response_time import ResponseTimeBound
 from ravenbrick.schedule.sensitivity import largest_wcet, scaled, with_period
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
-from ravenbrick.timing.counted_facts import points_text
-from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.facts.counted_facts import points_text
+from ravenbrick.timing.facts.facts import Facts, read_facts
+from ravenbrick.timing.facts.unmatched_facts import check_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.ipet import FlowFact, longest_path
 from ravenbrick.timing.kernel import kernel_facts, services
@@ -41,8 +42,7 @@ from ravenbrick.timing.observation.worst_case_search import largest, search_wors
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.result import advice, result_of
 from ravenbrick.timing.results.worst_path import worst_paths
-from ravenbrick.timing.scheduled_tasks import Change
-from ravenbrick.timing.unmatched_facts import check_facts
+from ravenbrick.timing.task_set.scheduled_tasks import Change
 from ravenbrick.trace.recording import Recording
 
 pytestmark = [

@@ -20,12 +20,12 @@ if any(find_tool(tool) is None for tool in TOOLS):
 from verification.support.timing.programs import Subject, analysed, subject
 
 from ravenbrick.timing.analysis import Analysis, known_facts
-from ravenbrick.timing.background import main_symbol
 from ravenbrick.timing.bounds import ExecutionTimeError, stack_bounds
 from ravenbrick.timing.observation.observed import exceeded, observe, used_stacks
 from ravenbrick.timing.results.result import advice, result_of
 from ravenbrick.timing.results.stacks import check_stacks, stacks_of
-from ravenbrick.timing.scheduled_tasks import PREEMPTION_BYTES
+from ravenbrick.timing.task_set.background import main_symbol
+from ravenbrick.timing.task_set.scheduled_tasks import PREEMPTION_BYTES
 
 FOLDER = "background"
 # More than a masked service of the run-time takes.

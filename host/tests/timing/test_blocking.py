@@ -10,7 +10,7 @@ import pytest
 from ravenbrick.project.robot import Task, read_robot
 from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.kernel import Services
-from ravenbrick.timing.scheduled_tasks import BlockingCause, blocking_cause
+from ravenbrick.timing.task_set.scheduled_tasks import BlockingCause, blocking_cause
 
 ROOT = Path(__file__).resolve().parents[3]
 SERVICES = Services(delay_until=0, resume=30, masking={"set_true": 100, "delay": 50})

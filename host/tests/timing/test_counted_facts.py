@@ -11,6 +11,7 @@ import shutil
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -26,14 +27,28 @@ from verification.support.timing.programs import HERE, Subject, analysed, subjec
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import read_robot
-from ravenbrick.timing.counted_facts import points_text
-from ravenbrick.timing.facts import read_facts
-from ravenbrick.timing.observation.fact_counts import fact_counts
+from ravenbrick.timing.facts.counted_facts import points_text
+from ravenbrick.timing.facts.facts import read_facts
+from ravenbrick.timing.observation.fact_counts import (
+    check_facts_of_run,
+    fact_counts,
+    left_modes,
+)
 from ravenbrick.timing.observation.job_facts import FactCount
-from ravenbrick.timing.observation.observed import exceeded, observe
+from ravenbrick.timing.observation.observed import exceeded, observe, outside_counts
+from ravenbrick.timing.results.result import result_of
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of
 from ravenbrick.trace.task_set import check_shortest_interval
+
+OUTSIDE = """[[outside]]
+symbol = "workers__seldom"
+task = "control"
+at_most_cycles = 90_000
+period_us = 1_000
+reason = ""
+
+"""
 
 
 @cache
@@ -105,7 +120,7 @@ def test_all_engines_count_the_same(engine: str) -> None:
         (', "workers__half"', "", "seen the target workers__half at "),
         ("[[loop]]", '[[never]]\nsymbol = "workers__seldom"\nreason = ""\n\n[[loop]]',
          "declared 0, seen 1 executions at "),
-        ("[[loop]]", '[[outside]]\nsymbol = "workers__seldom"\nreason = ""\n\n[[loop]]',
+        ("[[loop]]", OUTSIDE + "[[loop]]",
          "declared 0, seen 1 executions in a job at "),
     ],
 )  # fmt: skip
@@ -119,8 +134,7 @@ def test_a_wrong_fact_is_told_with_the_job_and_the_line(
 
 
 def test_a_search_after_which_the_task_is_released_anew_is_outside(tmp_path: Path) -> None:
-    seldom = '[[outside]]\nsymbol = "workers__seldom"\nreason = ""\n\n[[loop]]'
-    wrong = changed(tmp_path, "[[loop]]", seldom)
+    wrong = changed(tmp_path, "[[loop]]", OUTSIDE + "[[loop]]")
     counts, recording = counted(wrong)
     (fact,) = (count for count in counts if count.excess)
     numbers = re.findall(r", job (\d+) of control", fact.excess)
@@ -133,6 +147,61 @@ def test_a_search_after_which_the_task_is_released_anew_is_outside(tmp_path: Pat
     facts = analysed(wrong, wrong.facts).counted
     counts = fact_counts(wrong.robot, wrong.facts, wrong.image, facts, late)
     assert [count.excess for count in counts if count.excess] == []
+    longest, soonest = outside_counts(wrong.robot, wrong.facts, late)
+    assert (longest.excess, soonest.excess, soonest.seen) == ("", "", 8_000)
+    short = changed(tmp_path, "[[loop]]", OUTSIDE.replace("90_000", "10") + "[[loop]]")
+    longest, _ = outside_counts(short.robot, short.facts, late)
+    assert longest.excess.startswith(f"declared 10, seen {longest.seen} cycles in the job at ")
+    often = changed(tmp_path, "[[loop]]", OUTSIDE.replace("1_000", "9_000") + "[[loop]]")
+    _, soonest = outside_counts(often.robot, often.facts, late)
+    assert soonest.excess.startswith("declared 9000 us, released again 8000 us after at ")
+    whole, without = (observe(wrong.robot, late, 1, names) for names in ((), {"control"}))
+    assert without["control"].jobs < whole["control"].jobs
+    assert without["listener"] == whole["listener"]
+
+
+def test_code_outside_of_jobs_delays_less_urgent_tasks_and_not_its_own(tmp_path: Path) -> None:
+    """The cycles that are stated, and a call of the alarm with the return to the listener."""
+    fact = OUTSIDE.replace("1_000", "8_000") + "[[loop]]"
+    stated = changed(tmp_path, "[[loop]]", fact)
+    few = changed(tmp_path, "[[loop]]", fact.replace("90_000", "1"))
+    bounds, less = (analysed(found, found.facts).bounds for found in (stated, few))
+    assert bounds["control"].bound == less["control"].bound
+    longer, shorter = bounds["listener"].bound, less["listener"].bound
+    assert longer is not None and shorter is not None and longer - shorter >= 89_999
+    assert bounds.keys() == less.keys() and "listener" in bounds
+
+
+MODE = """
+[[mode]]
+name = "short"
+reason = ""
+
+[[mode.never]]
+symbol = "workers__seldom"
+
+[[mode.loop]]
+symbol = "workers__sum"
+iterations = 30
+
+"""
+
+
+def test_a_run_that_leaves_a_mode_is_told_and_not_compared_with_it(tmp_path: Path) -> None:
+    counts, recording = counted(changed(tmp_path, "[[loop]]", MODE + "[[loop]]"))
+    check_facts_of_run(counts, "the run")
+    left = left_modes(counts, "the run")["short"]
+    assert "[[mode." in left and ", job " in left and " of control, workers.adb:" in left
+    found = changed(tmp_path, "[[loop]]", MODE.replace("30", "90") + "[[loop]]")
+    analysis, seen = analysed(found, found.facts), observe(found.robot, recording)
+
+    def row(words: dict[str, str]) -> dict[str, Any]:
+        modes = result_of(analysis, seen, left=words)["tasks"][0]["modes"]
+        return next(mode for mode in modes if mode["name"] == "short")
+
+    away, inside = row({"short": left}), row({})
+    assert (away["left"], away["ratio"], away["response_max_seen_cycles"]) == (left, None, None)
+    assert inside["left"] == "" and inside["ratio"] is not None
 
 
 def test_a_wrong_fact_shows_in_the_own_time_of_the_job_too(tmp_path: Path) -> None:

@@ -29,13 +29,13 @@ from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
 from ravenbrick.image.elf import ElfImage
-from ravenbrick.timing import dispatching_calls
-from ravenbrick.timing.ada_library import read_library
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.counted_facts import points_text
-from ravenbrick.timing.dispatch_code import DispatchCode
-from ravenbrick.timing.dispatching_calls import DispatchingCalls
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.dispatch import dispatching_calls
+from ravenbrick.timing.dispatch.ada_library import read_library
+from ravenbrick.timing.dispatch.dispatch_code import DispatchCode
+from ravenbrick.timing.dispatch.dispatching_calls import DispatchingCalls
+from ravenbrick.timing.facts.counted_facts import points_text
+from ravenbrick.timing.facts.facts import annotations_of
 from ravenbrick.timing.observation.fact_counts import fact_counts
 from ravenbrick.timing.observation.observed import exceeded, observe
 

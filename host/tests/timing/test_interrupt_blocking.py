@@ -13,8 +13,8 @@ import pytest
 from ravenbrick.project.robot import Task, read_robot
 from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.initial_state import ALARM_SOURCE, Handler
-from ravenbrick.timing.interrupt_blocking import InterruptBlocking
 from ravenbrick.timing.kernel import MASKING, InterruptCost, Services
+from ravenbrick.timing.task_set.interrupt_blocking import InterruptBlocking
 
 ROOT = Path(__file__).resolve().parents[3]
 SERVICES = Services(delay_until=0, resume=30, masking={"set_true": 100, "delay": 50})

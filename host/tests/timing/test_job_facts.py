@@ -22,7 +22,7 @@ from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.facts import (
+from ravenbrick.timing.facts.facts import (
     SOURCE_NUMBERS,
     Facts,
     KindOfJob,
@@ -30,11 +30,11 @@ from ravenbrick.timing.facts import (
     annotations_of,
     read_facts,
 )
+from ravenbrick.timing.facts.unmatched_facts import check_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import fact_counts, latest
 from ravenbrick.timing.observation.job_facts import FactCount, request_counts
 from ravenbrick.timing.observation.observed import check_job_kinds
-from ravenbrick.timing.unmatched_facts import check_facts
 from ravenbrick.trace.recording import Recording
 
 pytestmark = [NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK]

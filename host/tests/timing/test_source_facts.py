@@ -12,8 +12,8 @@ from verification.support.projects import VEHICLE
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import read_robot
-from ravenbrick.timing.facts import read_facts
-from ravenbrick.timing.source_facts import loop_statements, statements_text
+from ravenbrick.timing.facts.facts import read_facts
+from ravenbrick.timing.facts.source_facts import loop_statements, statements_text
 
 SOURCE = Path("worker.adb")
 TEXT = """\
@@ -97,9 +97,12 @@ def test_facts_of_the_drivers_come_with_every_project_and_its_own_come_first(
     assert all(load.task is None for load in alone.interrupts)
     (tmp_path / "timing.toml").write_text(
         'schema_version = 1\n[[mode]]\nname = "link up"\nreason = "mine"\n'
-        '[[outside]]\nsymbol = "search"\nreason = "seconds"\n'
+        '[[outside]]\nsymbol = "search"\ntask = "exchange"\nat_most_cycles = 9\n'
+        'period_us = 2_000\nreason = "seconds"\n'
     )
     both = read_facts(read_robot(tmp_path))
     assert [mode.reason for mode in both.modes] == ["mine"]
     assert both.name == str(tmp_path / "timing.toml")
-    assert "[[avoided]]" in both.outside and len(both.shared) == 1
+    assert both.outside == '[[avoided]]\nsymbol = "search"\nreason = "seconds"\n'
+    assert [load.at_most_cycles for load in both.outside_of("Exchange")] == [9]
+    assert len(both.shared) == 1

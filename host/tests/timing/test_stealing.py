@@ -19,7 +19,7 @@ if any(find_tool(tool) is None for tool in TOOLS):
 
 from verification.support.timing.programs import Subject, analysed, subject
 
-from ravenbrick.timing.facts import TransferLoad
+from ravenbrick.timing.facts.facts import TransferLoad
 from ravenbrick.timing.observation.observed import Observed, exceeded, observe
 
 TASK = "computation"

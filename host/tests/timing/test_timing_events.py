@@ -23,9 +23,9 @@ from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.task_file import read_task_file
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.events import event_count
 from ravenbrick.timing.observation.observed import check_event_rates, exceeded, observe
 from ravenbrick.timing.results.task_set_file import task_set_text
+from ravenbrick.timing.task_set.events import event_count
 
 
 @pytest.fixture(scope="module")

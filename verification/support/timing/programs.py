@@ -14,7 +14,7 @@ from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.timing.analysis import Analysis, analyse
-from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.facts.facts import Facts, read_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.trace.recording import Recording
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -26,10 +26,15 @@ from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.chain import ChainDelay, chain_delay
-from ravenbrick.timing.counted_facts import points_text
-from ravenbrick.timing.facts import Facts, read_facts
+from ravenbrick.timing.facts.counted_facts import points_text
+from ravenbrick.timing.facts.facts import Facts, read_facts
+from ravenbrick.timing.facts.unmatched_facts import check_facts
 from ravenbrick.timing.initial_state import elaborated
-from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
+from ravenbrick.timing.observation.fact_counts import (
+    check_facts_of_run,
+    fact_counts,
+    left_modes,
+)
 from ravenbrick.timing.observation.job_facts import FactCount
 from ravenbrick.timing.observation.job_path import paths_of_longest_jobs
 from ravenbrick.timing.observation.long_run import long_run
@@ -39,6 +44,7 @@ from ravenbrick.timing.observation.observed import (
     check_event_rates,
     check_job_kinds,
     observe,
+    outside_counts,
     used_stacks,
     worst_job,
 )
@@ -64,8 +70,7 @@ from ravenbrick.timing.results.result import advice, microseconds, result_of
 from ravenbrick.timing.results.stacks import MAY_OVERFLOW, check_stacks
 from ravenbrick.timing.results.task_set_file import task_set_text
 from ravenbrick.timing.results.worst_path import worst_paths
-from ravenbrick.timing.scheduled_tasks import STOLEN_CYCLES
-from ravenbrick.timing.unmatched_facts import check_facts
+from ravenbrick.timing.task_set.scheduled_interrupts import STOLEN_CYCLES
 from ravenbrick.trace.measures import check_survival
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.task_set import check_shortest_interval, check_task_set
@@ -116,11 +121,13 @@ def _chain_line(chain: ChainDelay) -> str:
 @dataclass(frozen=True)
 class _Search:
     """The largest values of the run and of a worst-case search, in all and undisturbed, the worst
-    samples, those in which a fact was exceeded, and the results of search and long run."""
+    samples, those without disturbances, those in which a fact was exceeded, and the results of
+    search and long run."""
 
     seen: dict[str, Observed]
     undisturbed: dict[str, Observed]
     worst: Mapping[str, WorstSample]
+    faultless: Mapping[str, WorstSample]
     exceeded: Mapping[str, WorstSample]
     more: dict[str, Any]
 
@@ -130,32 +137,46 @@ def _search(
     scenario: Scenario,
     image: ElfImage,
     recording: Recording,
+    outside: Collection[str],
+    facts_counted: int,
     wanted: tuple[int, float, int],
     target: VirtualTarget,
     reporter: Reporter,
 ) -> _Search:
-    """`wanted` are variants to search, hours to observe, and cycles that a transfer takes."""
+    """`wanted` are variants to search, hours to observe, and cycles that a transfer takes; tasks in
+    `outside` have jobs without a deadline, and `facts_counted` are the facts that always hold."""
     variants, hours, transfer_cycles = wanted
-    seen = undisturbed = observe(robot, recording, transfer_cycles)
+    seen = undisturbed = observe(robot, recording, transfer_cycles, outside)
     worst: Mapping[str, WorstSample] = {}
+    faultless: Mapping[str, WorstSample] = {}
     exceeded: Mapping[str, WorstSample] = {}
     more: dict[str, Any] = {}
     if variants:
         with reporter.step(f"search in {variants} variants of '{scenario.name}'") as step:
             found = search_worst_case(
-                robot, scenario, image, variants, step.progress, 1, target, transfer_cycles
+                robot,
+                scenario,
+                image,
+                variants,
+                step.progress,
+                target=target,
+                transfer_cycles=transfer_cycles,
+                outside=outside,
+                facts_counted=facts_counted,
             )
         worst = found.worst
-        exceeded = found.exceeded
+        faultless, exceeded = found.undisturbed, found.exceeded
         seen, undisturbed = largest(seen, worst), largest(seen, found.undisturbed)
         more["worst_case_search"] = found.plain()
     if hours:
         with reporter.step(f"observe '{scenario.name}' over and over") as step:
             seconds = 3600 * hours
-            run = long_run(robot, scenario, image, seconds, step.progress, target=target)
+            run = long_run(
+                robot, scenario, image, seconds, step.progress, target=target, outside=outside
+            )
             step.note = f"{run.seconds:.0f} s of the brick, {run.events} events"
         more["long_run"] = run.plain()
-    return _Search(seen, undisturbed, worst, exceeded, more)
+    return _Search(seen, undisturbed, worst, faultless, exceeded, more)
 
 
 def _of_image(facts: Facts, image: ElfImage) -> Facts:
@@ -178,28 +199,36 @@ def _check_facts(
     recording: Recording,
     found: _Search,
     transfer_cycles: int,
-) -> list[FactCount]:
-    """What was counted in the run. Raises `ExecutionTimeError` for a fact that the run or a sample
-    of the search contradicts."""
-    samples = {
-        f"variant {sample.variant} of '{recording.scenario}'": sample.recording
-        for sample in (*found.worst.values(), *found.exceeded.values())
-    }
-    runs = {f"the run '{recording.scenario}'": recording, **samples}
-    counts = []
+) -> tuple[list[FactCount], dict[str, str]]:
+    """What was counted in the run, and modes that the run or a variant without disturbances leaves.
+    Raises `ExecutionTimeError` for a fact that the run or a sample of the search contradicts."""
+
+    def named(samples: Iterable[WorstSample]) -> dict[str, Recording | None]:
+        return {
+            f"variant {one.variant} of '{recording.scenario}'": one.recording for one in samples
+        }
+
+    own = f"the run '{recording.scenario}'"
+    faultless = {own: recording, **named(found.faultless.values())}
+    runs = faultless | named([*found.worst.values(), *found.exceeded.values()])
+    counts, left = [], dict[str, str]()
     for what, run in runs.items():
         if run is not None:
-            counts.append(
-                fact_counts(robot, facts, image, analysis.counted, run, analysis.requests)
+            found_counts = fact_counts(
+                robot, facts, image, analysis.counted, run, analysis.requests
             )
+            counts.append([*found_counts, *outside_counts(robot, facts, run, transfer_cycles)])
             check_facts_of_run(counts[-1], what)
+            left = left_modes(counts[-1] if what in faultless else [], what) | left
             check_event_rates(robot, facts, run)
             check_job_kinds(robot, analysis, run, transfer_cycles)
             for timing in analysis.tasks:
+                if timing.task.name in analysis.outside:
+                    continue  # its releases are counted with its code outside of jobs
                 waits_us = microseconds(timing.suspension_cycles)
                 waits = (timing.releases * (1 + timing.suspension_count) - 1, waits_us)
                 check_shortest_interval(robot, run, timing.task.name, *waits)
-    return counts[0]
+    return counts[0], left
 
 
 def _chain_result(chain: ChainDelay, loop: Loop | None) -> dict[str, Any]:
@@ -215,7 +244,7 @@ def _window(
     name: str,
 ) -> Figure | None:
     """From the longest response of run and search."""
-    sample, own = worst.get(name), worst_job(robot, recording, name)
+    sample, own = worst.get(name), worst_job(robot, recording, name, analysis.outside)
     longest = 0 if own is None else own.response_time_cycles or 0
     if sample is None or sample.recording is None or sample.response_cycles <= longest:
         return windows_figure(robot, analysis, recording, name)
@@ -323,8 +352,11 @@ def analyse_command(
     target = _target(timing_profile, analysis)
     recording = _recording(workspace, robot, chosen, elf, target, reporter)
     wanted = (search_variants, hours, STOLEN_CYCLES[timing_profile.value])
-    found = _search(robot, chosen, elf, recording, wanted, target, reporter)
-    counts = _check_facts(robot, facts, elf, analysis, recording, found, wanted[2])
+    always = sum(not fact.mode for fact in analysis.counted)
+    found = _search(
+        robot, chosen, elf, recording, analysis.outside, always, wanted, target, reporter
+    )
+    counts, left = _check_facts(robot, facts, elf, analysis, recording, found, wanted[2])
     check_bounds(analysis, found.seen, found.more.get("long_run"))
     loop = read_loop(workspace.design_file)
     chains = [chain_delay(analysis, recording, chain) for chain in facts.chains]
@@ -332,15 +364,18 @@ def analyse_command(
         "scenario": chosen.name,
         "image_sha256": elf.digest,
         "effort": effort,
-        **result_of(analysis, found.seen, found.undisturbed, used_stacks(recording)),
+        **result_of(analysis, found.seen, found.undisturbed, used_stacks(recording), left),
         "chains": [_chain_result(chain, loop) for chain in chains],
         "facts": [count.plain() for count in counts],
         **found.more,
     }
     check_stacks(result["stacks"])
     notes = _chain_notes(chains, result, directory)
+    notes += [f"mode '{mode}': {words}" for mode, words in left.items()]
     with reporter.step(f"run '{chosen.name}' again for the paths of its longest jobs"):
-        runs = paths_of_longest_jobs(robot, chosen, elf, target, recording, wanted[2])
+        runs = paths_of_longest_jobs(
+            robot, chosen, elf, target, recording, wanted[2], analysis.outside
+        )
     with reporter.step("write the report") as step:
         paths = worst_paths(analysis.tasks, elf, runs)
         figures = _figures(robot, analysis, recording, found, result)

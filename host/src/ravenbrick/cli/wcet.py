@@ -20,9 +20,9 @@ from ravenbrick.errors import RavenbrickError, UsageError
 from ravenbrick.report.page import page
 from ravenbrick.schemas.located_toml import utf8_text
 from ravenbrick.timing.bounds import Bounds, ExecutionTimeError, execution_times, recursion_words
-from ravenbrick.timing.dispatching_calls import DispatchingCalls
+from ravenbrick.timing.dispatch.dispatching_calls import DispatchingCalls
+from ravenbrick.timing.facts.unmatched_facts import check_annotation_file
 from ravenbrick.timing.results.worst_path import expensive_lines, path_table, source_lines
-from ravenbrick.timing.unmatched_facts import check_annotation_file
 
 __all__ = ["wcet_command"]
 

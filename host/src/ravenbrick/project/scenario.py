@@ -86,11 +86,12 @@ class Peer:
 @dataclass(frozen=True)
 class MonitorWindow:
     """When a computer in range listens to the telemetry over Bluetooth, and its PIN; to the end
-    without `until_ms`."""
+    without `until_ms`. `chatter` is what it says besides: when, in milliseconds, and bytes."""
 
     pin: str
     from_ms: int
     until_ms: int | None
+    chatter: tuple[tuple[int, bytes], ...] = ()
 
 
 @dataclass(frozen=True)

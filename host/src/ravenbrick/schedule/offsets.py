@@ -65,13 +65,14 @@ class Known:
     """What is known besides the phases when a busy period starts.
 
     `responses` are bounds of response times, which tell when a job of a less urgent task is over.
-    `blocking` is the longest blocking of a task by less urgent ones without those of these names;
-    None takes the sections of the task set. Each job of a task in `kinds` is of one of its kinds.
+    `blocking` is the longest blocking of a task by less urgent ones without those of the first
+    names, and without the sections in jobs of the second ones, which end outside of sections; None
+    takes the sections of the task set. Each job of a task in `kinds` is of one of its kinds.
     """
 
     responses: Mapping[str, Time | None]
     requests: tuple[Request, ...] = ()
-    blocking: Callable[[Task, frozenset[str]], Time] | None = None
+    blocking: Callable[[Task, frozenset[str], frozenset[str]], Time] | None = None
     kinds: Mapping[str, tuple[JobKind, ...]] = field(default_factory=dict)
 
 
@@ -204,8 +205,9 @@ def _begins(window: Window, repetition: Time) -> list[Time]:
     return sorted(found)
 
 
-LeftOut = tuple[frozenset[str], frozenset[str]]
-"""Less urgent tasks that are over by the start, and sources of interrupts that none requests."""
+LeftOut = tuple[frozenset[str], frozenset[str], frozenset[str]]
+"""Less urgent tasks that are over by the start, sources of interrupts that none requests, and less
+urgent tasks that are over by the first phased arrival."""
 
 
 class _Beginning:
@@ -215,7 +217,9 @@ class _Beginning:
     after the longest jitter) or before it with an arrival of one without a phase. That lead is at
     most the time in which blocking and all without a phase are served. A less urgent task runs
     before the start or not at all, but for the section that blocks; since the clock releases in the
-    order of arrivals, it arrived before the tasks that start the busy period.
+    order of arrivals, it arrived before the tasks that start the busy period. A job that is over by
+    that first arrival ended at its own priority, which it has not in a busy period, so the busy
+    period starts after its sections.
     """
 
     def __init__(self, window: Window, tasks: Iterable[Task], known: Known) -> None:
@@ -224,7 +228,8 @@ class _Beginning:
         self._tasks = {task.name: task for task in tasks}
         self._clock = window.clock.overheads.clock_resolution
         phased = [source.jitter for source in window.sources if source.task.phase is not None]
-        self._earliest = self._lead(window) + max([window.jitter, *phased])
+        self._jitter = max([window.jitter, *phased])
+        self._earliest = self._lead(window) + self._jitter
 
     @staticmethod
     def _lead(window: Window) -> Time:
@@ -234,27 +239,27 @@ class _Beginning:
         alone = replace(window, sources=without)
         return alone.completion(own, 1) if without or own or window.blocking.time else 0
 
-    def _over(self, name: str, begin: Time, lasts: Time = 0) -> bool:
-        """Is each job of a less urgent task that runs before the start over by then, and for as
-        long as given?"""
+    def _over(self, name: str, begin: Time, before: Time) -> bool:
+        """Is each job of a less urgent task that arrived before `begin` over so long before it?"""
         task, response = self._tasks.get(name), self._known.responses.get(name)
         if task is None or task.phase is None or response is None:
             return False
         if task.priority >= self._window.task.priority:
             return False
         latest = ceiling(begin - self._clock - task.phase, task.period) - 1
-        end = task.phase + latest * task.period + response + lasts
-        return end <= begin - self._earliest
+        return task.phase + latest * task.period + response <= begin - before
 
     def left_out(self, begin: Time) -> LeftOut:
         """What cannot be met at this start."""
-        absent = frozenset(name for name in self._tasks if self._over(name, begin))
+        earliest = self._earliest
+        absent = frozenset(name for name in self._tasks if self._over(name, begin, earliest))
+        ended = frozenset(name for name in self._tasks if self._over(name, begin, self._jitter))
         over = frozenset(
             request.source
             for request in self._known.requests
-            if all(self._over(name, begin, request.lasts) for name in request.tasks)
+            if all(self._over(name, begin, earliest + request.lasts) for name in request.tasks)
         )
-        return absent, over
+        return absent, over, ended - absent
 
     def window(self, left_out: LeftOut) -> Window:
         """The load without that."""
@@ -262,11 +267,13 @@ class _Beginning:
             self._windows[left_out] = self._without(*left_out)
         return self._windows[left_out]
 
-    def _without(self, absent: frozenset[str], over: frozenset[str]) -> Window:
+    def _without(
+        self, absent: frozenset[str], over: frozenset[str], ended: frozenset[str]
+    ) -> Window:
         window, known = self._window, self._known
         blockings = [b for b in window.blockings if b.task not in absent]
         if known.blocking is not None:
-            blockings = [Blocking(known.blocking(window.task, absent), "stated")]
+            blockings = [Blocking(known.blocking(window.task, absent, ended), "stated")]
         sources = tuple(source for source in window.sources if source.task.name not in over)
         return replace(window, sources=sources, blockings=tuple(blockings) or (NO_BLOCKING,))
 
@@ -390,7 +397,7 @@ def _in_whole_times(
     known = Known(
         dict(names),
         multiplied(known.requests, unit),
-        None if stated is None else lambda task, absent: exact(stated(task, absent) * unit),
+        None if stated is None else lambda task, *names: exact(stated(task, *names) * unit),
         dict(zip(known.kinds, multiplied(kinds, unit), strict=True)),
     )
     return multiplied(task_set, unit), multiplied(overheads, unit), known, unit

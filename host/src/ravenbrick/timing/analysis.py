@@ -21,36 +21,27 @@ from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.offsets import Request
 from ravenbrick.schedule.response_time import ResponseTimeBound
-from ravenbrick.timing.alarm import alarm_costs
-from ravenbrick.timing.background import (
-    NO_BACKGROUND,
-    Background,
-    background_of,
-    endless_words,
-    main_symbol,
-)
 from ravenbrick.timing.bounds import (
     Bound,
     ExecutionTimeError,
     JobQuestion,
     execution_times,
-    whole_stack,
+    whole_task,
 )
-from ravenbrick.timing.counted_facts import CountedFact, counted_facts
-from ravenbrick.timing.dispatching_calls import DISPATCH_TABLES, DispatchingCalls
+from ravenbrick.timing.dispatch.dispatching_calls import DISPATCH_TABLES, DispatchingCalls
 from ravenbrick.timing.environment_stack import (
     NO_ENVIRONMENT,
     EnvironmentStack,
     environment_stack,
 )
-from ravenbrick.timing.events import EventCost, event_costs, event_count, handlers_of_events
-from ravenbrick.timing.facts import TIMING_FILE, Facts, KindOfJob, Mode, annotations_of
+from ravenbrick.timing.facts.counted_facts import CountedFact, counted_facts
+from ravenbrick.timing.facts.facts import TIMING_FILE, Facts, KindOfJob, Mode, annotations_of
+from ravenbrick.timing.facts.source_facts import source_facts
 from ravenbrick.timing.initial_state import (
     ENVIRONMENT,
     ProtectedObject,
     attached_handlers,
 )
-from ravenbrick.timing.interrupt_blocking import interrupt_blocking
 from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
     DISPATCH,
@@ -62,7 +53,23 @@ from ravenbrick.timing.kernel import (
     run_time_facts,
     services,
 )
-from ravenbrick.timing.scheduled_tasks import (
+from ravenbrick.timing.task_set.alarm import alarm_costs
+from ravenbrick.timing.task_set.background import (
+    NO_BACKGROUND,
+    Background,
+    background_of,
+    endless_words,
+    main_symbol,
+)
+from ravenbrick.timing.task_set.events import (
+    EventCost,
+    event_costs,
+    event_count,
+    handlers_of_events,
+)
+from ravenbrick.timing.task_set.interrupt_blocking import interrupt_blocking
+from ravenbrick.timing.task_set.scheduled_interrupts import transfer_tasks
+from ravenbrick.timing.task_set.scheduled_tasks import (
     WAITS,
     Change,
     Executions,
@@ -71,10 +78,8 @@ from ravenbrick.timing.scheduled_tasks import (
     periods_us,
     requests_of,
     scheduled_bounds,
-    transfer_tasks,
 )
-from ravenbrick.timing.source_facts import source_facts
-from ravenbrick.timing.suspension import joined_releases, with_operations
+from ravenbrick.timing.task_set.suspension import joined_releases, with_operations
 from ravenbrick.trace.task_set import check_names
 
 __all__ = [
@@ -97,7 +102,8 @@ class ModeBounds:
 
 @dataclass(frozen=True)
 class Analysis:
-    """All bounds of an image, before any run; `changed_bounds` are those with changed tasks."""
+    """All bounds of an image, before any run; `changed_bounds` are those with changed tasks,
+    `outside` the tasks with jobs without a deadline."""
 
     tasks: tuple[TaskTiming, ...]
     interrupts: tuple[InterruptCost, ...]
@@ -116,6 +122,7 @@ class Analysis:
     environment: EnvironmentStack = NO_ENVIRONMENT
     requests: tuple[Request, ...] = ()
     kinds: tuple[tuple[KindOfJob, int], ...] = ()
+    outside: frozenset[str] = frozenset()
 
     @property
     def schedulable(self) -> bool:
@@ -363,7 +370,7 @@ def _modes(
 ) -> tuple[ModeBounds, ...]:
     modes = []
     for mode in facts.modes:
-        stated = [(f"{facts.name}, mode '{mode.name}'", mode.annotations)]
+        stated = [(facts.mode_file(mode.name), mode.annotations)]
         rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
         found = _scheduled(partial(of_facts, rates), executions_of(stated))
         in_mode = {t.task.name: t.job.cycles for t in found.timings}
@@ -422,8 +429,8 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
     asked = dict(zip((task.name for task in tasks), questions, strict=True))
     kinds_of = partial(_kinds, image, facts, asked, timing)
     if facts.outside:
-        whole = [whole_stack(image.content, annotations, one) for one in questions]
-        jobs = [(t, replace(j, **stack)) for (t, j), stack in zip(jobs, whole, strict=True)]
+        whole = [whole_task(image.content, annotations, one) for one in questions]
+        jobs = [(t, replace(j, **more)) for (t, j), more in zip(jobs, whole, strict=True)]
     environment = environment_stack(image, brick, annotations)
     jobs = [(task, environment.of_job(task.name, job)) for task, job in jobs]
     background = background.with_stacks(environment)
@@ -458,6 +465,7 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
         environment,
         requests_of(facts, costs, [*jobs, *background.all_threads]),
         tuple(executions[0].kinds),
+        frozenset(task.name for task in tasks if facts.outside_of(task.name)),
     )
 
 
@@ -467,8 +475,16 @@ def _counted(
     facts: Facts,
     annotations: Sequence[tuple[str, str]],
 ) -> tuple[CountedFact, ...]:
-    """Facts of the project, the drivers and the sources, and targets in dispatch tables."""
+    """Facts of the project, the drivers and the sources, and targets in dispatch tables; then those
+    of modes."""
     outside = f"{facts.name}, [[outside]]"
     files = {facts.name, outside, "pragma Annotate", DISPATCH_TABLES}
     files |= {name for name, _ in facts.shared}
-    return counted_facts(image.content, roots, [*annotations, (outside, facts.outside)], files)
+    known = [*annotations, (outside, facts.outside)]
+    found = counted_facts(image.content, roots, known, files)
+    for mode in facts.modes:
+        name = facts.mode_file(mode.name)
+        stated = [*known, (name, mode.annotations)]
+        more = counted_facts(image.content, roots, stated, {name})
+        found += tuple(replace(fact, mode=mode.name) for fact in more)
+    return found

@@ -28,7 +28,7 @@ __all__ = [
     "execution_times",
     "recursion_words",
     "stack_bounds",
-    "whole_stack",
+    "whole_task",
 ]
 
 
@@ -304,13 +304,13 @@ def stack_bounds(
     return execution_times(elf, stacks=symbols, annotations=annotations).stacks
 
 
-def whole_stack(
+def whole_task(
     elf: bytes, annotations: Sequence[tuple[str, str]], question: JobQuestion
 ) -> dict[str, Any]:
-    """Stack of a task with all it calls, also outside of its jobs, as fields of `Bound`."""
-    try:
-        (bound,) = execution_times(elf, jobs=[question], annotations=annotations).jobs
-    except ExecutionTimeError as error:
-        words = f"{error}; {error.detail}" if error.detail else str(error)
-        return {"stack_bytes": None, "stack_lost": None, "stack_gap": words}
-    return {"stack_bytes": bound.stack_bytes, "stack_lost": bound.stack_lost, "stack_gap": None}
+    """What a task does to others, and its stack, also outside of its jobs, as fields of `Bound`.
+
+    Raises `ExecutionTimeError` for a critical section without a bound.
+    """
+    (bound,) = execution_times(elf, background=[question[0]], annotations=annotations).background
+    names = ("stack_bytes", "stack_lost", "stack_gap", "critical_sections", "reached")
+    return {name: getattr(bound, name) for name in names}

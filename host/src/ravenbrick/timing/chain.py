@@ -11,7 +11,7 @@ import numpy as np
 
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.timing.analysis import Analysis
-from ravenbrick.timing.facts import SOURCE_NUMBERS, Chain
+from ravenbrick.timing.facts.facts import SOURCE_NUMBERS, Chain
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, jobs_of
 

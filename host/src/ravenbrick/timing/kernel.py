@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.bounds import Bound, execution_times
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.facts.facts import annotations_of
 from ravenbrick.timing.initial_state import (
     ALARM_SOURCE,
     Handler,

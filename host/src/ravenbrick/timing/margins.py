@@ -24,7 +24,7 @@ from ravenbrick.schedule.sensitivity import (
     with_period,
 )
 from ravenbrick.timing.analysis import Analysis
-from ravenbrick.timing.scheduled_tasks import Change
+from ravenbrick.timing.task_set.scheduled_tasks import Change
 
 __all__ = ["largest_scaling", "longest_execution", "smallest_period"]
 

@@ -34,6 +34,7 @@ class ScriptedMonitor:
         self._computer = BluetoothComputer(brick, pin=window.pin)
         self._page_ms = window.from_ms
         self._asked = self._was_connected = False
+        self._chatter = list(window.chatter)
 
     def poll(self, now_ms: int) -> None:
         """Do what is due."""
@@ -65,5 +66,7 @@ class ScriptedMonitor:
         self.session.receive(received)
         words = self.session.pending(now_s) if self._asked else self.session.connected(now_s)
         self._asked = True
+        while self._chatter and self._chatter[0][0] <= now_ms:
+            words += self._chatter.pop(0)[1]
         if words:
             self._computer.write(words)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -17,8 +18,8 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
 from ravenbrick.schedule.offsets import Request
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.counted_facts import CountedFact
-from ravenbrick.timing.facts import Facts, InterruptLoad
+from ravenbrick.timing.facts.counted_facts import CountedFact
+from ravenbrick.timing.facts.facts import Facts, InterruptLoad
 from ravenbrick.timing.observation.job_facts import (
     TOLERANCE_CYCLES,
     FactCount,
@@ -29,7 +30,7 @@ from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
 
-__all__ = ["check_facts_of_run", "fact_counts", "latest", "most_in_window"]
+__all__ = ["check_facts_of_run", "fact_counts", "latest", "left_modes", "most_in_window"]
 
 Cycles = NDArray[np.int64]
 CLOCK_HZ = float(MASTER_CLOCK.hertz)
@@ -132,6 +133,8 @@ def _code_at(image: ElfImage, address: int) -> str:
 
 
 def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: dict[str, Any]) -> FactCount:
+    if fact.mode:
+        return _in_mode(run, fact, count)
     arrivals = [a for a in count["arrivals"] if a["at_cycles"] >= run.since]
     if fact.table == "avoided":
         arrivals = [a for a in arrivals if run.in_a_job_with_deadline(a["thread"], a["at_cycles"])]
@@ -149,6 +152,19 @@ def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: dict[str, 
     unit = what.get(fact.table, "")
     numbers = f"declared {fact.declared}, seen {seen}" + (f" {unit}" if unit else "")
     return FactCount(text, fact.place, fact.declared, seen, f"{numbers} {where}")
+
+
+def _in_mode(run: _Run, fact: CountedFact, count: dict[str, Any]) -> FactCount:
+    """Executions of a loop or of code, whoever executes it, in a run that may be in the mode."""
+    arrivals = [a for a in count["arrivals"] if a["at_cycles"] >= run.since]
+    text = fact.fact.replace("[[avoided]]", "[[never]]").replace("[[", "[[mode.")
+    if not arrivals:
+        return FactCount(text, fact.place, fact.declared, 0, mode=fact.mode)
+    first = arrivals[0]
+    seen = len(arrivals) if fact.table == "avoided" else max(int(a["count"]) for a in arrivals)
+    where = run.words(first["thread"], first["at_cycles"])
+    words = f"declared {fact.declared}, seen {seen} {where}, {fact.place}"
+    return FactCount(text, fact.place, fact.declared, seen, words, fact.mode)
 
 
 def _rate(run: _Run, fact: str, place: str, limits: tuple[int, int], at: Cycles) -> FactCount:
@@ -174,20 +190,25 @@ def _lateness(run: _Run, fact: str, load: InterruptLoad, at: Cycles) -> FactCoun
     return FactCount(fact, source_name(load.source), load.late_us, late_us, excess)
 
 
+def _interrupts(run: _Run, load: InterruptLoad, table: str, recording: Recording) -> FactCount:
+    """Interrupts of one load."""
+    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
+    at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
+    name = source_name(load.source)
+    fact = f'{load.file}: [[{table}]] source = "{name}"'
+    if load.late_us:
+        return _lateness(run, fact, load, at)
+    if load.task is None:
+        return _rate(run, fact, name, (load.at_most, load.window_us), at)
+    return _after_releases(run, load, fact, at, recording)
+
+
 def _rates(run: _Run, facts: Facts, image: ElfImage, recording: Recording) -> list[FactCount]:
     """Interrupts and transfers in any window, or in windows from the releases of a task."""
-    found = []
-    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
-    for load in facts.interrupts:
-        at = entered["at_cycles"][entered["subject"] == load.source].astype(np.int64)
-        name = source_name(load.source)
-        fact = f'{load.file}: [[interrupt]] source = "{name}"'
-        if load.late_us:
-            found.append(_lateness(run, fact, load, at))
-        elif load.task is None:
-            found.append(_rate(run, fact, name, (load.at_most, load.window_us), at))
-        else:
-            found.append(_after_releases(run, load, fact, at, recording))
+    found = [_interrupts(run, load, "interrupt", recording) for load in facts.interrupts]
+    for mode in facts.modes:
+        counts = (_interrupts(run, load, "mode.interrupt", recording) for load in mode.interrupts)
+        found += [replace(count, mode=mode.name) for count in counts]
     loads = facts.transfer_loads(image) if recording.transfers is not None else {}
     for peripheral, at in (recording.transfers or {}).items():
         for stated in loads.get(peripheral, ()):
@@ -276,9 +297,20 @@ def fact_counts(
     ]
 
 
+def left_modes(counts: Sequence[FactCount], what: str) -> dict[str, str]:
+    """Modes that a run, `what` in words, leaves, and by which fact."""
+    wrong = [count for count in counts if count.mode and count.excess]
+    return {
+        count.mode: f"{what} is not in it: {count.fact}: {count.excess}"
+        for count in reversed(wrong)
+    }
+
+
 def check_facts_of_run(counts: Sequence[FactCount], what: str) -> None:
-    """Raise `ExecutionTimeError` for facts that a run, `what` in words, contradicts."""
-    wrong = [f"{count.fact}: {count.excess}" for count in counts if count.excess]
+    """Raise `ExecutionTimeError` for facts that a run, `what` in words, contradicts. One that holds
+    in a mode tells that the run leaves it (`left_modes`)."""
+    always = [count for count in counts if not count.mode]
+    wrong = [f"{count.fact}: {count.excess}" for count in always if count.excess]
     if wrong:
         raise ExecutionTimeError(
             f"{wrong[0]}; in {what} the program does more than this fact says: correct the fact",

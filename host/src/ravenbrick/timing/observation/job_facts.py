@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot
 from ravenbrick.schedule.offsets import Request
-from ravenbrick.timing.facts import SOURCE_NUMBERS, Facts
+from ravenbrick.timing.facts.facts import SOURCE_NUMBERS, Facts
 from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import all_jobs, jobs_of
@@ -29,13 +29,15 @@ TOLERANCE_CYCLES = 48
 
 @dataclass(frozen=True)
 class FactCount:
-    """A fact, what it declares, what was seen, and where that was too much, in words."""
+    """A fact, what it declares, what was seen, and where that was too much, in words; the mode in
+    which it holds, empty for always."""
 
     fact: str
     place: str
     declared: int
     seen: int
     excess: str = ""
+    mode: str = ""
 
     def plain(self) -> dict[str, Any]:
         """For JSON."""

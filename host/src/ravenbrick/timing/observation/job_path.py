@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -42,9 +42,10 @@ def paths_of_longest_jobs(
     target: VirtualTarget,
     recording: Recording,
     transfer_cycles: int,
+    outside: Collection[str] = (),
 ) -> dict[str, JobPath]:
     """Of each task the job of the run with the longest net execution time, by the task's name."""
-    jobs = longest_jobs(robot, recording, transfer_cycles)
+    jobs = longest_jobs(robot, recording, transfer_cycles, outside)
     if not jobs:
         return {}
     windows = [(job.thread, job.begin_cycles, job.end_cycles) for job in jobs.values()]

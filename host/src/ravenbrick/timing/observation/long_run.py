@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -20,6 +20,7 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
+from ravenbrick.timing.observation.outside_jobs import have_deadline
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import IDLE, EventKind, decode_events
 
@@ -73,13 +74,15 @@ class _TaskFigures:
 
 @dataclass
 class LongRun:
-    """Observations of a long run, by the names of tasks and of interrupt sources."""
+    """Observations of a long run, by the names of tasks and of interrupt sources. Jobs without a
+    deadline, of tasks in `outside`, are left out."""
 
     seconds: float = 0.0
     repetitions: int = 0
     events: int = 0
     tasks: dict[str, _TaskFigures] = field(default_factory=dict)
     intervals: dict[str, Spread] = field(default_factory=dict)
+    outside: frozenset[str] = frozenset()
     _last_entry: dict[int, int] = field(default_factory=dict)
 
     def plain(self) -> dict[str, Any]:
@@ -114,7 +117,7 @@ class LongRun:
                 continue
             figures = self.tasks.setdefault(task.name, _TaskFigures())
             done = (kind == int(EventKind.COMPLETION)) & (subject == index) & (value >= since)
-            responses = at[done] - value[done]
+            responses = (at[done] - value[done])[have_deadline(task, value[done], self.outside)]
             figures.response.add(responses)
             deadline = task.deadline_us or task.period_us
             if deadline is not None:
@@ -179,9 +182,10 @@ def long_run(
     progress: Progress = no_progress,
     seed: int = 1,
     target: VirtualTarget | None = None,
+    outside: Collection[str] = (),
 ) -> LongRun:
     """Play a scenario over and over for this long; a brick that went off is switched on again."""
-    result, rng = LongRun(), random.Random(seed)
+    result, rng = LongRun(outside=frozenset(outside)), random.Random(seed)
     plain = (target or VirtualTarget()).without_counts()
     quiet = replace(scenario, inputs=(), stimuli=(), signal_period_us=SIGNAL_PERIOD_US)
     wanted = max(1, round(seconds * 1000 / scenario.duration_ms))

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot
 from ravenbrick.timing.analysis import Analysis
-from ravenbrick.timing.background import never_waits
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.facts import Facts
+from ravenbrick.timing.facts.facts import Facts
 from ravenbrick.timing.initial_state import ALARM_SOURCE, ENVIRONMENT
+from ravenbrick.timing.observation.job_facts import FactCount
 from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
+from ravenbrick.timing.observation.outside_jobs import have_deadline, outside_count
+from ravenbrick.timing.task_set.background import never_waits
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, all_jobs, cyclic_begin_cycles, jobs_of
@@ -33,6 +35,7 @@ __all__ = [
     "exceeded",
     "longest_jobs",
     "observe",
+    "outside_counts",
     "ratio",
     "refuse_exceeded",
     "used_stacks",
@@ -75,12 +78,16 @@ def _begin_cycles(robot: Robot, recording: Recording, task: str) -> int:
     return max(since, *(jobs[0].release_cycles for jobs in all_jobs(recording) if jobs))
 
 
-def _operating(recording: Recording, task: str, since_cycles: int) -> NDArray[np.bool_]:
-    """Which completed jobs are released from an instant on, the first job left out."""
-    jobs = jobs_of(recording, recording.thread_index(task))
+def _operating(
+    robot: Robot, recording: Recording, name: str, since_cycles: int, outside: Collection[str]
+) -> NDArray[np.bool_]:
+    """Which completed jobs are released from an instant on, the first job left out, and those
+    without a deadline of tasks in `outside`."""
+    jobs = jobs_of(recording, recording.thread_index(name))
     done = [job for job in jobs if job.completion_cycles is not None]
     releases = np.array([job.release_cycles for job in done], np.int64)
-    return (releases >= since_cycles) & (np.arange(releases.size) > 0)
+    chosen = have_deadline(robot.task(name), releases, outside)
+    return (releases >= since_cycles) & (np.arange(releases.size) > 0) & chosen
 
 
 def _completed(recording: Recording, task: str) -> tuple[int, NDArray[np.int64], NDArray[np.int64]]:
@@ -106,16 +113,23 @@ def _net_execution_times(
     return np.asarray(own, np.int64)
 
 
-def observe(robot: Robot, recording: Recording, transfer_cycles: int = 1) -> dict[str, Observed]:
+def observe(
+    robot: Robot,
+    recording: Recording,
+    transfer_cycles: int = 1,
+    outside: Collection[str] = (),
+) -> dict[str, Observed]:
     """By the task's name in robot.toml; tasks without a completed job are left out. A transfer of
-    the data controller takes `transfer_cycles` (`STOLEN_CYCLES`)."""
+    the data controller takes `transfer_cycles` (`STOLEN_CYCLES`); `outside` are tasks with jobs
+    without a deadline, which are left out."""
     threads = {thread.name.lower(): thread for thread in recording.threads}
     result: dict[str, Observed] = {}
     for found in task_dynamics(robot, recording):
         task = robot.task(found.name)
         if task is None:
             continue
-        chosen = _operating(recording, found.name, _begin_cycles(robot, recording, found.name))
+        since = _begin_cycles(robot, recording, found.name)
+        chosen = _operating(robot, recording, found.name, since, outside)
         if not chosen.any():
             continue
         latency = found.release_latency_cycles[chosen]
@@ -146,14 +160,17 @@ class LongestJob:
 
 
 def longest_jobs(
-    robot: Robot, recording: Recording, transfer_cycles: int = 1
+    robot: Robot,
+    recording: Recording,
+    transfer_cycles: int = 1,
+    outside: Collection[str] = (),
 ) -> dict[str, LongestJob]:
     """The job of each task whose `execution_cycles` are `observe`'s, by the task's name."""
     result = {}
     for found in task_dynamics(robot, recording):
         task, thread = robot.task(found.name), recording.thread_index(found.name)
         since = _begin_cycles(robot, recording, found.name)
-        chosen = np.flatnonzero(_operating(recording, found.name, since))
+        chosen = np.flatnonzero(_operating(robot, recording, found.name, since, outside))
         if task is None or not chosen.size:
             continue
         own = _net_execution_times(recording, found, transfer_cycles)
@@ -165,12 +182,18 @@ def longest_jobs(
     return result
 
 
-def worst_job(robot: Robot, recording: Recording, task: str) -> Job | None:
+def worst_job(
+    robot: Robot, recording: Recording, task: str, outside: Collection[str] = ()
+) -> Job | None:
     """The job with the longest response time after the start of all tasks."""
     since = _begin_cycles(robot, recording, task)
-    jobs = jobs_of(recording, recording.thread_index(task))[1:]
+    jobs = jobs_of(recording, recording.thread_index(task))
+    releases = np.array([job.release_cycles for job in jobs], np.int64)
+    chosen = have_deadline(robot.task(task), releases, outside) & (releases >= since)
     done = [
-        job for job in jobs if job.response_time_cycles is not None and job.release_cycles >= since
+        job
+        for job, counts in list(zip(jobs, chosen, strict=True))[1:]
+        if counts and job.response_time_cycles is not None
     ]
     return max(done, key=lambda job: job.response_time_cycles or 0, default=None)
 
@@ -235,7 +258,7 @@ def check_job_kinds(
         if task is None or task.name not in names:
             continue
         kinds = [(kind, cycles) for kind, cycles in analysis.kinds if kind.task == task.name]
-        chosen = _operating(recording, found.name, since)
+        chosen = _operating(robot, recording, found.name, since, analysis.outside)
         own = _net_execution_times(recording, found, transfer_cycles)[chosen]
         release = _completed(recording, found.name)[1][chosen]
         following = release + MASTER_CLOCK.cycles_of_us(task.period_us or 0)
@@ -254,6 +277,20 @@ def check_job_kinds(
                 f"{kinds[0][0].file}: [[job_kind]]: the job of {task.name} released at {when:.6f} "
                 f"s of the run '{recording.scenario}' is of none of the kinds {words}; add a kind"
             )
+
+
+def outside_counts(
+    robot: Robot, facts: Facts, recording: Recording, transfer_cycles: int = 1
+) -> list[FactCount]:
+    """What jobs without a deadline took, beside what is said of them."""
+    since, counts = cyclic_begin_cycles(robot, recording), list[FactCount]()
+    for found in task_dynamics(robot, recording):
+        task = robot.task(found.name)
+        if task is not None and facts.outside_of(task.name):
+            own = _net_execution_times(recording, found, transfer_cycles)
+            release = _completed(recording, found.name)[1]
+            counts += outside_count(facts, task, release, own, since)
+    return counts
 
 
 def _entries(recording: Recording, source: int) -> NDArray[np.int64]:

@@ -3,13 +3,14 @@
 """The longest response times, searched: the inputs of a scenario are moved in time, added and
 changed, at random and from the best variant found so far. In every other variant the link to the
 co-processor is disturbed too, so that jobs set it up again, often just when the longest undisturbed
-job of a task is released."""
+job of a task is released. A monitor says more than it has to, as fast as the program takes it."""
 
 from __future__ import annotations
 
 import json
+import math
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
 from typing import Any
@@ -22,10 +23,13 @@ from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
-from ravenbrick.project.scenario import Scenario
+from ravenbrick.project.scenario import MonitorWindow, Scenario
 from ravenbrick.project.stimuli import TimedInput
+from ravenbrick.telemetry.frames import FRAME_END, LONGEST_CONTENT, frame, stuff
+from ravenbrick.telemetry.messages import Ask, KeepAlive, SetParameter, encode
 from ravenbrick.timing.observation.long_run import cyclic_begin
 from ravenbrick.timing.observation.observed import Observed, observe
+from ravenbrick.timing.observation.outside_jobs import have_deadline
 from ravenbrick.trace.recording import EventKind, Recording, decode_events
 
 __all__ = ["WorstSample", "largest", "search_worst_case"]
@@ -41,10 +45,22 @@ SWITCHES = (
     *(f"button.{name}" for name in ("left", "right", "orange", "grey")),
     *(f"touch.{port}" for port in range(1, 5)),
 )
+# A battery that is nearly empty, which the link's task watches.
+SUPPLY, LOW_SUPPLY_V = "battery.voltage", (6.3, 7.2)
 WRONG_SUMS, STUCK = "fault.coprocessor_checksum", "fault.twi_stuck"
 # More wrong sums than the link tolerates, and longer than its quiet time.
 MOST_WRONG_SUMS, STUCK_AT_MOST_MS = 20, 60
 AIMED = 0.6
+# What a monitor says besides, by the value of this input: the longest frame that is none, requests
+# that mean nothing, changes that are refused, and the question for all descriptions.
+CHATTER = "monitor.chatter"
+CHATTER_BYTES = 256
+NOT_A_NUMBER = SetParameter(0, math.nan)
+WORDS = (
+    stuff(bytes(range(1, 1 + LONGEST_CONTENT))) + FRAME_END,
+    *(frame(encode(message)) for message in (KeepAlive(), NOT_A_NUMBER, Ask())),
+)
+CHATTERS = 0.7
 # From the loss of the link, which ends what the bus is held in, to the greeting and to the reset.
 AFTER_LOSS_US = (22_000, 0)
 # A transfer of the link's task runs for some 300 us from 1.9 ms before the next one is due.
@@ -106,7 +122,7 @@ def _varied(
     if found:
         place = rng.randrange(len(found))
         alone = found[place]
-        fixed = alone.value in (0.0, 1.0) or alone.name == WRONG_SUMS
+        fixed = alone.value in (0.0, 1.0) or alone.name in (WRONG_SUMS, CHATTER)
         scaled = alone.value if fixed else alone.value * rng.uniform(-1.5, 1.5)
         moved = alone.at_cycles + rng.randrange(-10 * span, 10 * span)
         found[place] = replace(alone, at_cycles=moved, value=scaled)
@@ -122,7 +138,8 @@ def _varied(
 def _disturbed(
     inputs: Sequence[TimedInput], end: int, rng: random.Random
 ) -> tuple[TimedInput, ...]:
-    """Some wrong checksums, or a bus that is held for a while."""
+    """Some wrong checksums, or a bus that is held for a while; perhaps a battery nearly empty, with
+    which the link may be lost too."""
     begin = rng.randrange(1, end)
     if rng.random() < 0.5:
         wrong = float(rng.randrange(1, MOST_WRONG_SUMS))
@@ -131,6 +148,8 @@ def _disturbed(
         length = rng.randrange(1, MASTER_CLOCK.cycles_of_ms(STUCK_AT_MOST_MS))
         back = min(begin + length, end)
         found = [*inputs, TimedInput(begin, STUCK, 1.0), TimedInput(back, STUCK, 0.0)]
+    if rng.random() < 0.5:
+        found.append(TimedInput(rng.randrange(1, end), SUPPLY, rng.uniform(*LOW_SUPPLY_V)))
     return tuple(sorted(found, key=lambda timed: timed.at_cycles))
 
 
@@ -149,10 +168,24 @@ def _aimed(
     return tuple(sorted((*sample.inputs, *kept), key=lambda timed: timed.at_cycles))
 
 
+def _talking(inputs: Sequence[TimedInput], window: MonitorWindow) -> MonitorWindow:
+    """A monitor that says what the inputs tell, again and again for a while."""
+    chatter = []
+    for timed in inputs:
+        if timed.name == CHATTER:
+            word = WORDS[int(timed.value) % len(WORDS)]
+            at_ms = int(1000 * MASTER_CLOCK.seconds(timed.at_cycles))
+            chatter.append((at_ms, word * (1 + CHATTER_BYTES // len(word))))
+    return replace(window, chatter=tuple(chatter))
+
+
 def _taken(brick: Any, inputs: Sequence[TimedInput]) -> tuple[TimedInput, ...]:
     """Inputs that the brick has and whose values it can take."""
     found = []
     for timed in inputs:
+        if timed.name == CHATTER:
+            found.append(timed)
+            continue
         try:
             brick.schedule_input(timed.at_cycles, timed.name, timed.value)
         except ValueError:
@@ -165,9 +198,15 @@ class _VariantRunner:
     """Plays variants of one scenario."""
 
     def __init__(
-        self, robot: Robot, scenario: Scenario, image: ElfImage, target: VirtualTarget
+        self,
+        robot: Robot,
+        scenario: Scenario,
+        image: ElfImage,
+        target: VirtualTarget,
+        outside: Collection[str],
     ) -> None:
         self._robot, self._image, self._target = robot, image, target
+        self._outside = outside
         period_us = SIGNAL_PERIOD_US
         self._quiet = replace(scenario, inputs=(), signal_period_us=period_us, pictures_ms=())
         self.end = MASTER_CLOCK.cycles_of_ms(scenario.duration_ms)
@@ -180,6 +219,9 @@ class _VariantRunner:
     ) -> tuple[TimedInput, ...]:
         """Inputs that differ a little from others."""
         inputs = _varied(base, self.end, self.switches, rng)
+        if self._quiet.monitor is not None and rng.random() < CHATTERS:
+            more = TimedInput(rng.randrange(self.end), CHATTER, float(rng.randrange(len(WORDS))))
+            inputs = tuple(sorted((*inputs, more), key=lambda timed: timed.at_cycles))
         return _taken(self._probe, _disturbed(inputs, self.end, rng) if disturbed else inputs)
 
     def disturb(
@@ -190,7 +232,10 @@ class _VariantRunner:
 
     def recording(self, inputs: Sequence[TimedInput]) -> Recording:
         """The whole run; the scenario's peer or monitor, if any, runs beside."""
-        scenario = replace(self._quiet, stimuli=tuple(inputs))
+        plain = tuple(timed for timed in inputs if timed.name != CHATTER)
+        scenario = replace(self._quiet, stimuli=plain)
+        if scenario.monitor is not None:
+            scenario = replace(scenario, monitor=_talking(inputs, scenario.monitor))
         return self._target.run(self._robot, scenario, self._image)
 
     def play(self, inputs: Sequence[TimedInput]) -> tuple[Longest, list[dict[str, Any]]]:
@@ -214,6 +259,7 @@ class _VariantRunner:
         found = {}
         for index, name in enumerate(names):
             task, mine = self._robot.task(name), done[done["subject"] == index]
+            mine = mine[have_deadline(task, mine["value"].astype(np.int64), self._outside)]
             if task is not None and mine.size:
                 spans = mine["at_cycles"].astype(np.int64) - mine["value"]
                 place = int(spans.argmax())
@@ -249,11 +295,15 @@ def search_worst_case(
     seed: int = 1,
     target: VirtualTarget | None = None,
     transfer_cycles: int = 1,
+    outside: Collection[str] = (),
+    facts_counted: int | None = None,
 ) -> WorstCaseSearch:
     """Play variants of a scenario and keep, for each task, those with its longest responses, and
-    for each fact that the target counts the one with the most."""
+    for each fact that the target counts the one with the most. Tasks in `outside` have jobs
+    without a deadline, which are left out; of what is counted only the first `facts_counted` facts
+    hold in every variant."""
     rng = random.Random(seed)
-    runner = _VariantRunner(robot, scenario, image, target or VirtualTarget())
+    runner = _VariantRunner(robot, scenario, image, target or VirtualTarget(), outside)
     original = scenario.timed_inputs()
     worst: dict[str, WorstSample] = {}
     undisturbed: dict[str, WorstSample] = {}
@@ -268,7 +318,7 @@ def search_worst_case(
     for variant in range(variants):
         disturbed = variant % 2 == 1
         best = [sample.inputs for sample in (worst if disturbed else undisturbed).values()]
-        best += [sample.inputs for sample in facts.values()]
+        best += [one.inputs for one in facts.values() if disturbed or one.variant % 2 == 0]
         base = original if not best or rng.random() < FRESH else rng.choice(best)
         if disturbed and undisturbed and rng.random() < AIMED:
             # Each task in turn, the least urgent first, meets a greeting and a reset.
@@ -279,7 +329,7 @@ def search_worst_case(
         responses, counts = runner.play(inputs)
         unvaried = unvaried or {name: longest for name, (longest, _) in responses.items()}
         _keep(worst, responses, variant, inputs)
-        _keep(facts, _nearly_wrong(counts), variant, inputs)
+        _keep(facts, _nearly_wrong(counts[:facts_counted]), variant, inputs)
         if not disturbed:
             _keep(undisturbed, responses, variant, inputs)
         progress((variant + 1) / rounds)
@@ -290,7 +340,7 @@ def search_worst_case(
         sample = kept[name]
         if sample.variant not in seen:
             recording = runner.recording(sample.inputs)
-            seen[sample.variant] = observe(robot, recording, transfer_cycles), recording
+            seen[sample.variant] = observe(robot, recording, transfer_cycles, outside), recording
         values, recording = seen[sample.variant]
         kept[name] = replace(sample, observed=values.get(name), recording=recording)
         progress(min(1.0, (variants + count + 1) / rounds))

@@ -17,7 +17,7 @@ from ravenbrick.timing.chain import ChainDelay
 from ravenbrick.timing.observation.observed import worst_job
 from ravenbrick.timing.results.phase_margin import Loop, phase_margin
 from ravenbrick.timing.results.result import microseconds
-from ravenbrick.timing.scheduled_tasks import TaskTiming
+from ravenbrick.timing.task_set.scheduled_tasks import TaskTiming
 from ravenbrick.trace.recording import Recording
 from ravenbrick.trace.schedule import INTERRUPT_OWNER, stretches
 
@@ -170,7 +170,7 @@ def windows_figure(
     """The critical instant of a task above its worst job of the run, on the same scale; `what` is
     the run in words."""
     bound = analysis.bounds[task].bound
-    worst = worst_job(robot, recording, task)
+    worst = worst_job(robot, recording, task, analysis.outside)
     if bound is None or worst is None or worst.response_time_cycles is None:
         return None
     begin, seen = worst.release_cycles, microseconds(worst.response_time_cycles)

@@ -11,13 +11,13 @@ from typing import Any
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.schedule.demand import window_of
 from ravenbrick.timing.analysis import Analysis, ModeBounds
-from ravenbrick.timing.background import endless_words
 from ravenbrick.timing.bounds import recursion_words
 from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.timing.margins import largest_scaling, longest_execution, smallest_period
 from ravenbrick.timing.observation.observed import Observed, ratio
 from ravenbrick.timing.results.stacks import stack_lines, stacks_of, stacks_suffice
-from ravenbrick.timing.scheduled_tasks import TaskTiming, deepest_stack
+from ravenbrick.timing.task_set.background import endless_words
+from ravenbrick.timing.task_set.scheduled_tasks import TaskTiming, deepest_stack
 from ravenbrick.trace.interrupts import source_name
 
 __all__ = ["advice", "microseconds", "result_of"]
@@ -90,7 +90,11 @@ def _terms(analysis: Analysis, timing: TaskTiming) -> dict[str, Any] | None:
 
 
 def _task(
-    analysis: Analysis, timing: TaskTiming, seen: Observed | None, undisturbed: Observed | None
+    analysis: Analysis,
+    timing: TaskTiming,
+    seen: Observed | None,
+    undisturbed: Observed | None,
+    left: Mapping[str, str],
 ) -> dict[str, Any]:
     name = timing.task.name
     found = analysis.bounds[name]
@@ -114,17 +118,22 @@ def _task(
         "terms": _terms(analysis, timing),
         "observed": None if seen is None else dict(vars(seen)),
         "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
-        "modes": [_in_mode(found, name, undisturbed) for found in analysis.modes],
+        "modes": [_in_mode(found, name, undisturbed, left) for found in analysis.modes],
         "stack_bytes": timing.task.stack_bytes,
         "stack_bound_bytes": timing.stack_bound_bytes,
     }
 
 
-def _in_mode(mode: ModeBounds, name: str, seen: Observed | None) -> dict[str, Any]:
-    bound = _up(mode.bounds[name].bound)
+def _in_mode(
+    mode: ModeBounds, name: str, seen: Observed | None, left: Mapping[str, str]
+) -> dict[str, Any]:
+    """Nothing stands beside the bounds of a mode in which the runs are not."""
+    bound, words = _up(mode.bounds[name].bound), left.get(mode.mode.name, "")
+    seen = None if words else seen
     return {
         "name": mode.mode.name,
         "reason": mode.mode.reason,
+        "left": words,
         "execution_bound_cycles": mode.jobs[name],
         "response_bound_cycles": bound,
         "meets_deadline": mode.bounds[name].meets_deadline,
@@ -170,11 +179,12 @@ def result_of(
     observed: dict[str, Observed],
     undisturbed: dict[str, Observed] | None = None,
     used_stacks: Mapping[str, int] | None = None,
+    left: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """The result as data; times in cycles unless the name says otherwise.
 
     `undisturbed` stands beside the bounds of modes, where it is not `observed`; `used_stacks` are
-    what the run used of each stack, by thread.
+    what the run used of each stack, by thread; `left` says of modes where the runs leave them.
     """
     in_modes = observed if undisturbed is None else undisturbed
     scaling = largest_scaling(analysis)
@@ -191,7 +201,8 @@ def result_of(
         "scaling_limited_by": scaling.limited_by,
         "utilization": float(analysis.task_set.utilization),
         "tasks": [
-            _task(analysis, t, observed.get(t.task.name), in_modes.get(t.task.name)) for t in order
+            _task(analysis, t, observed.get(t.task.name), in_modes.get(t.task.name), left or {})
+            for t in order
         ],
         "interrupts": [
             {

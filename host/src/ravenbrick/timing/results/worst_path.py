@@ -19,7 +19,7 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.image.source_texts import named_sources
 from ravenbrick.timing.observation.job_path import JobPath
-from ravenbrick.timing.scheduled_tasks import TaskTiming
+from ravenbrick.timing.task_set.scheduled_tasks import TaskTiming
 
 __all__ = [
     "Executed",

@@ -42,7 +42,8 @@ class AdaLibrary:
 
     `compiler` is the version of the library, `violated` are restrictions that the unit violates,
     `needed` the units on which it depends with their files, `files` all its source files; `types`
-    are the names of the types that have the operation at a place.
+    are the names of the types that have the operation at a place. A generic unit has no code: its
+    instances are parts of other units.
     """
 
     path: Path
@@ -53,6 +54,7 @@ class AdaLibrary:
     files: tuple[str, ...]
     types: dict[Place, frozenset[str]]
     references: tuple[Reference, ...]
+    is_generic: bool = False
 
     @property
     def run_time(self) -> Path | None:
@@ -116,4 +118,5 @@ def read_library(path: Path) -> AdaLibrary:
         files,
         types,
         tuple(references),
+        all("GE" in row[4:] for row in rows if row[0] == "U"),
     )

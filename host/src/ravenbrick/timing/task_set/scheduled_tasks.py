@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Task
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
@@ -20,19 +19,21 @@ from ravenbrick.schedule.response_time import (
     response_time_bound,
     response_time_bounds,
 )
-from ravenbrick.timing.alarm import AlarmCosts, coarse_alarm, exact_cycles
-from ravenbrick.timing.background import Background
-from ravenbrick.timing.bounds import Bound, ExecutionTimeError
-from ravenbrick.timing.events import EventCost
-from ravenbrick.timing.facts import EventLoad, Facts, InterruptLoad, KindOfJob, TransferLoad
-from ravenbrick.timing.initial_state import ALARM_SOURCE
-from ravenbrick.timing.interrupt_blocking import InterruptBlocking
+from ravenbrick.timing.bounds import Bound
+from ravenbrick.timing.facts.facts import Facts, KindOfJob
 from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND, InterruptCost, Services
-from ravenbrick.timing.suspension import suspension_of
+from ravenbrick.timing.task_set.alarm import AlarmCosts, exact_cycles
+from ravenbrick.timing.task_set.background import Background
+from ravenbrick.timing.task_set.interrupt_blocking import InterruptBlocking
+from ravenbrick.timing.task_set.scheduled_interrupts import (
+    expiries,
+    interrupts_seen_by,
+    scheduled_interrupts,
+)
+from ravenbrick.timing.task_set.suspension import suspension_of
 from ravenbrick.trace.interrupts import source_name
 
 __all__ = [
-    "STOLEN_CYCLES",
     "WAITS",
     "BlockingCause",
     "Change",
@@ -44,7 +45,6 @@ __all__ = [
     "periods_us",
     "requests_of",
     "scheduled_bounds",
-    "transfer_tasks",
 ]
 
 PREEMPTION_BYTES = 68
@@ -52,8 +52,6 @@ Change = Callable[[ScheduledTask], ScheduledTask]
 """A task as it may become, for margins."""
 ENDLESS_PERIOD_US = 1_000_000
 ROUNDS = 3
-# By one transfer of the data controller, by timing profile (`pdc_steal_cycles`).
-STOLEN_CYCLES = {"optimistic": 1, "nominal": 1, "pessimistic": 4}
 # Where a task waits for its next release, and where if its body does not wait there.
 WAITS = {
     "cyclic": ((DELAY_UNTIL,), ()),
@@ -119,9 +117,14 @@ def deepest_stack(job: Bound) -> int | None:
 
 
 def blocking_cause(
-    priority: int, name: str, jobs: Sequence[tuple[Task, Bound]], costs: Services
+    priority: int,
+    name: str,
+    jobs: Sequence[tuple[Task, Bound]],
+    costs: Services,
+    ended: frozenset[str] = frozenset(),
 ) -> BlockingCause:
-    """The longest blocking of this priority by less urgent tasks.
+    """The longest blocking of this priority by less urgent tasks, of which those in `ended` are in
+    no protected action.
 
     One of them may be in a protected action or a masked service. Each of the others may add a
     masked service: it gave the processor away with interrupts masked to a thread that was
@@ -130,8 +133,9 @@ def blocking_cause(
     found, masked_cycles = [BlockingCause(0, "", "none")], {}
     for task, job in jobs:
         if task.priority < priority and task.name != name:
-            section = job.longest_critical_section(2 * priority)
-            found.append(BlockingCause(section, task.name, "protected action"))
+            if task.name not in ended:
+                section = job.longest_critical_section(2 * priority)
+                found.append(BlockingCause(section, task.name, "protected action"))
             masked, service = costs.longest_masked(job.reached)
             found.append(BlockingCause(masked, task.name, f"interrupts masked in {service}"))
             masked_cycles[task.name] = costs.resumed_masked_cycles(job.reached)
@@ -191,6 +195,22 @@ def _second_releases(
     ]
 
 
+def _outside_code(tasks: Sequence[Task], facts: Facts) -> dict[str, ScheduledTask]:
+    """Tasks that stand for code without a deadline, by the name of the task that executes it and
+    that does not meet it: its jobs are released after that code."""
+    found = {}
+    for task in tasks:
+        loads = facts.outside_of(task.name)
+        if loads:
+            found[task.name] = ScheduledTask(
+                name=f"{task.name}, outside of jobs",
+                period=exact_cycles(min(load.period_us for load in loads)),
+                wcet=max(load.at_most_cycles for load in loads),
+                priority=task.priority,
+            )
+    return found
+
+
 def _never_waiting(background: Background) -> list[ScheduledTask]:
     """Threads that take all the time there is: more than a processor has."""
     period = exact_cycles(ENDLESS_PERIOD_US)
@@ -203,92 +223,6 @@ def _never_waiting(background: Background) -> list[ScheduledTask]:
 def periods_us(tasks: Sequence[Task]) -> list[int]:
     """Periods of the cyclic tasks, in microseconds."""
     return [task.period_us for task in tasks if task.release == "cyclic" and task.period_us]
-
-
-def _scheduled_interrupts(
-    costs: Sequence[InterruptCost],
-    facts: Facts,
-    periods: Sequence[int],
-    longest_blocking: Callable[[int], int],
-) -> list[ScheduledTask]:
-    found = []
-    for cost in costs:
-        source = cost.handler.source
-        if source == ALARM_SOURCE:
-            continue
-        loads = facts.loads(source)
-        if not loads:
-            name = source_name(source)
-            raise ExecutionTimeError(
-                f"{cost.handler.symbol} handles {name}: say in {facts.name} how often it comes at "
-                f'most: [[interrupt]] source = "{name}", at_most = ..., window_us = ..., '
-                'reason = "..."'
-            )
-        found.append(_interrupt(cost, loads, longest_blocking(cost.handler.priority)))
-    alarm = next(cost for cost in costs if cost.handler.source == ALARM_SOURCE)
-    return [*found, *coarse_alarm(periods, alarm.cycles, alarm.handler.priority)]
-
-
-def _interrupt(cost: InterruptCost, loads: Sequence[InterruptLoad], blocking: int) -> ScheduledTask:
-    name, level = source_name(cost.handler.source), cost.handler.priority
-    return _bursts(name, cost.cycles, level, loads, blocking)
-
-
-def _bursts(
-    name: str,
-    cycles: int,
-    priority: int,
-    loads: Sequence[InterruptLoad] | Sequence[EventLoad] | Sequence[TransferLoad],
-    blocking: int,
-    release_jitter: int = 0,
-) -> ScheduledTask:
-    """Calls of a handler, or transfers, the longest window first."""
-    load, *shorter = loads
-    limits = [
-        (Fraction(s.at_most, load.at_most), exact_cycles(s.window_us), exact_cycles(_late_us(s)))
-        for s in shorter
-    ]
-    return ScheduledTask(
-        name=name,
-        period=exact_cycles(load.window_us),
-        limits=tuple(limits),
-        wcet=load.at_most * cycles,
-        priority=priority,
-        release="interrupt",
-        blocking=blocking,
-        release_jitter=release_jitter + exact_cycles(_late_us(load)),
-    )
-
-
-def _late_us(load: InterruptLoad | EventLoad | TransferLoad) -> int:
-    return load.late_us if isinstance(load, InterruptLoad) else 0
-
-
-def transfer_tasks(
-    image: ElfImage, blocking: InterruptBlocking, facts: Facts
-) -> list[ScheduledTask]:
-    """Cycles that the data controller takes, whatever the processor executes, also while the alarm
-    is late (the tasks' release jitter): data sheet 6175M, chapters PDC and memory controller."""
-    first = 1 + max(cost.handler.priority for cost in blocking.handlers)
-    late, cycles = blocking.kernel.release_jitter, STOLEN_CYCLES[blocking.kernel.timing]
-    return [
-        _bursts(f"{peripheral} transfers", cycles, first, loads, 0, late)
-        for peripheral, loads in facts.transfer_loads(image).items()
-    ]
-
-
-def _expiries(events: Sequence[EventCost], alarm: AlarmCosts, blocking: int) -> list[ScheduledTask]:
-    """Timing events: each a call of the alarm, and an early one before."""
-    return [
-        _bursts(
-            event.name,
-            event.cycles + alarm.early,
-            event.handler.priority,
-            event.loads,
-            blocking,
-        )
-        for event in events
-    ]
 
 
 def _alarms_inside(
@@ -323,9 +257,13 @@ def scheduled_bounds(
     costs, kernel = blocking.handlers, blocking.kernel
     below = [*jobs, *background.all_threads]
 
-    def cause(task: Task, absent: frozenset[str] = frozenset()) -> BlockingCause:
+    def cause(
+        task: Task,
+        absent: frozenset[str] = frozenset(),
+        ended: frozenset[str] = frozenset(),
+    ) -> BlockingCause:
         present = [(other, job) for other, job in below if other.name not in absent]
-        found = blocking_cause(task.priority, task.name, present, kernel)
+        found = blocking_cause(task.priority, task.name, present, kernel, ended)
         return _in_background(found, background, alarm)
 
     timings = tuple(
@@ -338,25 +276,29 @@ def scheduled_bounds(
     def longest_blocking(priority: int) -> int:
         return blocking.longest_cycles(priority, below) + calls
 
-    interrupts = _scheduled_interrupts(
+    interrupts = scheduled_interrupts(
         costs, facts, periods_us([t for t, _ in jobs]), longest_blocking
     )
-    interrupts += _expiries(blocking.events, alarm, longest_blocking(level))
+    interrupts += expiries(blocking.events, alarm, longest_blocking(level))
     interrupts += _alarms_inside(timings, alarm, level)
     interrupts += transfers
+    outside = _outside_code([task for task, _ in jobs], facts)
     tasks = [changed(task) for task in _scheduled_tasks(timings, facts)]
     more = [*_second_releases(timings, tasks), *_never_waiting(background)]
-    task_set = TaskSet((*map(changed, interrupts), *tasks, *more))
-    bounds = {b.task.name: b for b in response_time_bounds(task_set, overheads)}
+    task_set = TaskSet((*map(changed, (*interrupts, *outside.values())), *tasks, *more))
+    stands_in = {task.name for task in outside.values()}
+    every = response_time_bounds(task_set, overheads)
+    bounds = {b.task.name: b for b in every if b.task.name not in stands_in}
     sets = {}
     for timing in sorted(timings, key=lambda each: -each.task.priority):
-        special = _interrupts_seen_by(timing.task.name, interrupts, costs, facts)
+        special = interrupts_seen_by(timing.task.name, interrupts, costs, facts)
         others = _seen_by(timing, timings, tasks, bounds, changed)
         met = [*(others or tasks), *more]
         met = [_paying(task, dispatch) if task.name != timing.task.name else task for task in met]
-        seen = TaskSet((*map(changed, special or interrupts), *met))
+        beside = (task for name, task in outside.items() if name != timing.task.name)
+        seen = TaskSet((*map(changed, (*(special or interrupts), *beside)), *met))
         sets[timing.task.name] = seen
-        if special is not None or others is not None or dispatch:
+        if special is not None or others is not None or dispatch or outside:
             own = seen.task(timing.task.name)
             bounds[own.name] = response_time_bound(seen, own, overheads)
     suspended = any(timing.suspension_count for timing in timings)
@@ -381,21 +323,21 @@ def with_common_release(
     overheads: Overheads,
     bounds: dict[str, ResponseTimeBound],
     known: Known,
-    cause: Callable[[Task, frozenset[str]], BlockingCause],
+    cause: Callable[[Task, frozenset[str], frozenset[str]], BlockingCause],
     closest: bool = True,
 ) -> tuple[tuple[TaskTiming, ...], dict[str, ResponseTimeBound]]:
     """Closer bounds of tasks that keep a common release, with the blocking that they meet.
 
     `sets` are the tasks and interrupts as each task meets them, `cause` the blocking of a task by
-    less urgent ones without those of some names. Bounds tell when a job is over, so closer ones
-    make those of the second round closer still; unless the closest are wanted, one round is enough
-    in which all deadlines are met.
+    less urgent ones without those of some names, and without sections of others. Bounds tell when a
+    job is over, so closer ones make those of the second round closer still; unless the closest are
+    wanted, one round is enough in which all deadlines are met.
     """
     tasks = {timing.task.name: timing.task for timing in timings}
     causes: dict[tuple[str, object], BlockingCause] = {}
 
-    def blocking(task: ScheduledTask, absent: frozenset[str]) -> int:
-        met = cause(tasks[task.name], absent)
+    def blocking(task: ScheduledTask, absent: frozenset[str], ended: frozenset[str]) -> int:
+        met = cause(tasks[task.name], absent, ended)
         causes[task.name, met.cycles] = met
         return met.cycles
 
@@ -479,22 +421,4 @@ def _seen_by(
             special = True
         else:
             found.append(task)
-    return found if special else None
-
-
-def _interrupts_seen_by(
-    task: str,
-    interrupts: Sequence[ScheduledTask],
-    costs: Sequence[InterruptCost],
-    facts: Facts,
-) -> list[ScheduledTask] | None:
-    """Interrupts as they come in windows from a task's releases on; None where nothing is said
-    about these."""
-    by_name = {source_name(cost.handler.source): cost for cost in costs}
-    found, special = [], False
-    for interrupt in interrupts:
-        cost = by_name.get(interrupt.name)
-        loads = () if cost is None else facts.loads(cost.handler.source, task)
-        special |= bool(loads)
-        found.append(_interrupt(cost, loads, 0) if cost and loads else interrupt)
     return found if special else None

@@ -19,11 +19,11 @@ from typing import Any
 
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot, Task
-from ravenbrick.timing.alarm import AlarmCosts
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
 from ravenbrick.timing.environment_stack import EnvironmentStack
 from ravenbrick.timing.initial_state import ENVIRONMENT, main_rests
 from ravenbrick.timing.kernel import DELAY_UNTIL, WAITING
+from ravenbrick.timing.task_set.alarm import AlarmCosts
 
 __all__ = [
     "NO_BACKGROUND",

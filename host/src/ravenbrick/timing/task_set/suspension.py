@@ -16,7 +16,7 @@ from dataclasses import replace
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Task
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion
-from ravenbrick.timing.facts import Facts, Operation, Suspension, annotations_of
+from ravenbrick.timing.facts.facts import Facts, Operation, Suspension, annotations_of
 from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND
 
 __all__ = ["joined_releases", "suspension_of", "waits_inside", "with_operations"]

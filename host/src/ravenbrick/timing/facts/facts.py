@@ -26,9 +26,11 @@ __all__ = [
     "Facts",
     "InterruptLoad",
     "Mode",
+    "OutsideLoad",
     "TransferLoad",
     "annotations_of",
     "has_unit",
+    "place_of",
     "read_facts",
 ]
 
@@ -50,6 +52,7 @@ OWN_TABLES = frozenset(
         "job_kind",
     }
 )
+OUTSIDE_COSTS = ("task", "at_most_cycles", "period_us")
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 
 
@@ -144,6 +147,18 @@ class RequestedInterrupts:
 
 
 @dataclass(frozen=True)
+class OutsideLoad:
+    """In jobs without a deadline, `task` executes at most `at_most_cycles` between two waits, and
+    is released no sooner than `period_us` after the release before."""
+
+    task: str
+    at_most_cycles: int
+    period_us: int
+    reason: str
+    file: str = TIMING_FILE
+
+
+@dataclass(frozen=True)
 class KindOfJob:
     """Jobs of `task` that do not execute the subprograms `never`, and after whose release, until
     the next, at most so many interrupts of each source of `most` come. The kinds of a task together
@@ -173,14 +188,15 @@ class Facts:
     """All facts; `annotations` is TOML for the execution-time analysis.
 
     `shared` are annotations that hold for every project: names of files and TOML. `outside` is TOML
-    that holds for jobs only. `together` are the tasks (in lower case) with a common release: all
-    their releases lie whole periods of theirs after it.
+    that holds for jobs only, `outside_loads` what such code costs others. `together` are the tasks
+    (in lower case) with a common release: all their releases lie whole periods of theirs after it.
     """
 
     document: LocatedToml | None
     annotations: str
     shared: tuple[tuple[str, str], ...] = ()
     outside: str = ""
+    outside_loads: tuple[OutsideLoad, ...] = ()
     interrupts: tuple[InterruptLoad, ...] = ()
     events: tuple[EventLoad, ...] = ()
     transfers: tuple[TransferLoad, ...] = ()
@@ -199,10 +215,19 @@ class Facts:
         """The file, for messages."""
         return TIMING_FILE if self.document is None else str(self.document.path)
 
+    def mode_file(self, mode: str) -> str:
+        """What the annotations of a mode are called."""
+        return f"{self.name}, mode '{mode}'"
+
     def suspension(self, task: str) -> Suspension | None:
         """The suspension of a task, if the file states one."""
         named = (found for found in self.suspensions if found.task.lower() == task.lower())
         return next(named, None)
+
+    def outside_of(self, task: str) -> tuple[OutsideLoad, ...]:
+        """What jobs of a task without a deadline cost others."""
+        named = (found for found in self.outside_loads if found.task.lower() == task.lower())
+        return tuple(named)
 
     def loads(self, source: int, task: str | None = None) -> tuple[InterruptLoad, ...]:
         """Loads of a source in any window, the longest window first; with `task`, only those in
@@ -256,7 +281,7 @@ def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
 def _check_tasks(document: LocatedToml, robot: Robot) -> None:
     named: list[tuple[KeyPath, str]] = [
         ((table, index, "task"), row["task"])
-        for table in ("suspension", "body", "interrupt", "job_kind")
+        for table in ("suspension", "body", "interrupt", "job_kind", "outside")
         for index, row in enumerate(document.values.get(table, []))
         if "task" in row
     ]
@@ -285,6 +310,11 @@ def _check_tasks(document: LocatedToml, robot: Robot) -> None:
 def _chain(row: dict[str, Any]) -> Chain:
     stages = tuple((stage["task"], stage.get("every", 1)) for stage in row["stages"])
     return Chain(row["name"], stages, row["transfer_us"], row.get("edge", ""))
+
+
+def place_of(row: dict[str, Any]) -> dict[str, Any]:
+    """Where code lies that is outside of jobs."""
+    return {key: value for key, value in row.items() if key not in OUTSIDE_COSTS}
 
 
 def _kind(row: dict[str, Any], path: Path) -> KindOfJob:
@@ -354,7 +384,18 @@ def read_facts(robot: Robot) -> Facts:
         own,
         "" if own is None else _annotations(own),
         () if drivers is None else ((str(drivers.path), _annotations(drivers)),),
-        annotations_of({"avoided": rows("outside")}),
+        annotations_of({"avoided": [place_of(row) for row in rows("outside")]}),
+        tuple(
+            OutsideLoad(
+                row["task"],
+                row["at_most_cycles"],
+                row["period_us"],
+                row["reason"],
+                str(document.path),
+            )
+            for document in documents
+            for row in document.values.get("outside", [])
+        ),
         tuple(
             load
             for document in documents

@@ -25,9 +25,9 @@ from dataclasses import dataclass
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Task
 from ravenbrick.timing.bounds import Bound
-from ravenbrick.timing.events import EventCost
 from ravenbrick.timing.initial_state import ALARM_SOURCE
 from ravenbrick.timing.kernel import InterruptCost, Services, entry_exit_cycles
+from ravenbrick.timing.task_set.events import EventCost
 
 __all__ = ["InterruptBlocking", "interrupt_blocking"]
 

@@ -23,11 +23,11 @@ from typing import Any, TypeVar
 from elftools.common.exceptions import ELFError
 from elftools.elf.elffile import ELFFile
 
-from ravenbrick.timing.ada_library import AdaLibrary, Place, read_library
 from ravenbrick.timing.bounds import ExecutionTimeError
-from ravenbrick.timing.dispatch_code import DispatchCode
-from ravenbrick.timing.dispatch_tables import DispatchTables
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.dispatch.ada_library import AdaLibrary, Place, read_library
+from ravenbrick.timing.dispatch.dispatch_code import DispatchCode
+from ravenbrick.timing.dispatch.dispatch_tables import DispatchTables
+from ravenbrick.timing.facts.facts import annotations_of
 
 __all__ = ["DISPATCH_TABLES", "DispatchingCalls"]
 
@@ -117,7 +117,7 @@ class DispatchingCalls:
         compiled = {path.stem for path in self._units.values()}
         for name in (row.name for row in self._symbols("STT_FILE")):
             if name.endswith(SOURCES) and Path(name).stem not in compiled:
-                raise NotDerivedError(f"{name} was compiled without debug information")
+                self._check_generic(name)
         found = {offset: self._own([path]) for offset, path in self._units.items()}
         own = {offset: library for offset, library in found.items() if library is not None}
         for library in own.values():
@@ -127,6 +127,14 @@ class DispatchingCalls:
                     "whose dispatch table is built at run time"
                 )
         return own
+
+    def _check_generic(self, name: str) -> None:
+        """Raise `NotDerivedError` for a unit without debug information, unless it has no code."""
+        paths = [folder / Path(name).with_suffix(".ali") for folder in self._folders]
+        found = next(filter(None, map(self._read, paths)), None)
+        if found is None or not found.is_generic:
+            raise NotDerivedError(f"{name} was compiled without debug information")
+        self._own([found.path])
 
     def _needed(self, library: AdaLibrary) -> list[AdaLibrary]:
         """A unit and the program's own units on which it depends. Raises `NotDerivedError` if a

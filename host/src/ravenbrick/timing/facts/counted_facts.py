@@ -20,7 +20,8 @@ class CountedFact:
     """A fact with a place at which it is counted.
 
     `fact` is the fact as it is written, `declared` what it allows (iterations, activations at the
-    same time; 0 for no execution), `point` where and what to count, as the virtual brick takes it.
+    same time; 0 for no execution), `point` where and what to count, as the virtual brick takes it;
+    `mode` is the one in which it holds, empty for always.
     """
 
     fact: str
@@ -29,6 +30,7 @@ class CountedFact:
     place: str
     declared: int
     point: dict[str, Any]
+    mode: str = ""
 
 
 def counted_facts(

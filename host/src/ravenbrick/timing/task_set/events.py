@@ -20,7 +20,7 @@ from elftools.elf.elffile import ELFFile
 
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError
-from ravenbrick.timing.facts import EventLoad, Facts
+from ravenbrick.timing.facts.facts import EventLoad, Facts
 from ravenbrick.timing.initial_state import Handler
 from ravenbrick.timing.kernel import (
     EVENT_RING,

@@ -22,7 +22,7 @@ from elftools.common.exceptions import ELFError
 from ravenbrick.errors import ImageFileError, ProjectFileError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.image.source_texts import named_sources
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.facts.facts import annotations_of
 
 __all__ = ["SourceLoop", "loop_statements", "source_facts", "statements_text"]
 

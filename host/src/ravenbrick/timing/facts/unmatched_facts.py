@@ -12,7 +12,7 @@ from ravenbrick.errors import ProjectFileError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.installation import brick_module
 from ravenbrick.schemas.located_toml import KeyPath, LocatedToml
-from ravenbrick.timing.facts import Facts, annotations_of, has_unit
+from ravenbrick.timing.facts.facts import Facts, annotations_of, has_unit, place_of
 
 __all__ = ["check_annotation_file", "check_facts"]
 
@@ -34,7 +34,8 @@ def _unmatched(elf: bytes, files: dict[str, str]) -> list[dict[str, Any]]:
 def _files(document: LocatedToml) -> tuple[dict[str, str], dict[str, KeyPath]]:
     """Annotations of the document and of its modes, and where each of them begins there."""
     values = document.values
-    tables = {PLACES[name]: rows for name, rows in values.items() if name in PLACES}
+    stated = {name: rows for name, rows in values.items() if name in PLACES}
+    tables = {PLACES[name]: [place_of(row) for row in rows] for name, rows in stated.items()}
     files: dict[str, str] = {"": annotations_of(tables)}
     places: dict[str, KeyPath] = {"": ()}
     for index, mode in enumerate(values.get("mode", [])):

@@ -18,7 +18,7 @@ from ravenbrick.schedule.model import Overheads
 from ravenbrick.schedule.model import Task as ScheduledTask
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.timing.bounds import Bound
-from ravenbrick.timing.facts import annotations_of
+from ravenbrick.timing.facts.facts import annotations_of
 from ravenbrick.timing.kernel import INTERRUPT, InterruptCost, Services, interrupt_costs
 
 __all__ = ["AlarmCosts", "alarm_costs", "coarse_alarm", "exact_cycles"]

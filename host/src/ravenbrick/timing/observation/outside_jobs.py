@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Jobs without a deadline, of tasks with `[[outside]]` code: which they are, and what they cost."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.project.robot import Task
+from ravenbrick.timing.facts.facts import Facts
+from ravenbrick.timing.observation.job_facts import TOLERANCE_CYCLES, FactCount
+
+__all__ = ["have_deadline", "outside_count"]
+
+Cycles = NDArray[np.int64]
+
+
+def have_deadline(
+    task: Task | None, release: Cycles, outside: Collection[str]
+) -> NDArray[np.bool_]:
+    """Which jobs of a task have one, by their releases. A cyclic task in `outside` is released anew
+    after a job without one, so the next release is not a period later; of the last job it is not
+    known."""
+    cyclic = task is not None and task.release == "cyclic" and task.name in outside
+    if not cyclic or task is None or task.period_us is None:
+        return np.ones(release.size, np.bool_)
+    away = np.diff(release) - MASTER_CLOCK.cycles_of_us(task.period_us)
+    return np.append(np.abs(away) <= TOLERANCE_CYCLES, [False] * min(1, release.size))
+
+
+def outside_count(
+    facts: Facts, task: Task, release: Cycles, own: Cycles, since: int
+) -> list[FactCount]:
+    """Longest execution of a job without a deadline, and shortest time to the next release, of a
+    task that has such jobs; `own` are the net execution times of its completed jobs."""
+    loads = facts.outside_of(task.name)
+    chosen = ~have_deadline(task, release, {task.name}) & (release >= since)
+    counts = []
+    for load in loads:
+        text = f'{load.file}: [[outside]] task = "{task.name}"'
+        longest = int(own[chosen].max()) if chosen.any() else 0
+        excess = ""
+        if longest > load.at_most_cycles:
+            at = release[chosen][int(own[chosen].argmax())]
+            when = f"at {float(MASTER_CLOCK.seconds(int(at))):.6f} s"
+            excess = f"declared {load.at_most_cycles}, seen {longest} cycles in the job {when}"
+        counts.append(FactCount(text, "at_most_cycles", load.at_most_cycles, longest, excess))
+        gaps = np.diff(release)[chosen[:-1]]
+        least = int(gaps.min()) if gaps.size else MASTER_CLOCK.cycles_of_us(load.period_us)
+        excess, least_us = "", round(1e6 * float(MASTER_CLOCK.seconds(least)))
+        if least < MASTER_CLOCK.cycles_of_us(load.period_us) - TOLERANCE_CYCLES:
+            at = release[:-1][chosen[:-1]][int(gaps.argmin())]
+            when = f"at {float(MASTER_CLOCK.seconds(int(at))):.6f} s"
+            excess = f"declared {load.period_us} us, released again {least_us} us after {when}"
+        counts.append(FactCount(text, "period_us", load.period_us, least_us, excess))
+    return counts
