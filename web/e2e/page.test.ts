@@ -197,8 +197,9 @@ describe("small and off-line", () => {
   test("works without its server once it was loaded", async ({ open, drive }) => {
     const { page, context } = await open(drive);
     await page.evaluate(() => navigator.serviceWorker.ready.then(() => undefined));
-    // The second visit goes through the service worker and fills its cache.
-    await page.reload();
+    // The second visit goes through the service worker and fills its cache, also with what is
+    // read after the first picture.
+    await page.reload({ waitUntil: "networkidle" });
     await page.waitForFunction(() => document.title.includes("–"));
     await waitForServiceWorker(page);
     await context.setOffline(true);
