@@ -107,7 +107,7 @@ def test_facts_about_calls_over_one_branch_are_counted_each_for_its_own_call() -
     found = subject("dispatching", "levels", "-mthumb")
 
     def excess(*started: str) -> list[str]:
-        lines = {15: sorted(started), 16: ["devices__rest"]}
+        lines = {18: sorted(started), 19: ["devices__rest"]}
         rows: list[dict[str, object]] = [
             {"file": "levels.adb", "line": line, "targets": targets, "reason": "a test"}
             for line, targets in lines.items()
@@ -122,7 +122,7 @@ def test_facts_about_calls_over_one_branch_are_counted_each_for_its_own_call() -
 
     assert excess(SHORT, LONG) == []
     (told,) = excess(SHORT)
-    assert f"seen the target {LONG} at" in told and told.endswith("levels.adb:15")
+    assert f"seen the target {LONG} at" in told and told.endswith("levels.adb:18")
 
 
 def test_library_files_that_are_not_those_of_the_image_are_not_used(tmp_path: Path) -> None:
