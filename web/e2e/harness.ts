@@ -290,6 +290,12 @@ export async function waitForServiceWorker(page: Page): Promise<void> {
   await page.waitForFunction(() => navigator.serviceWorker.controller !== null);
 }
 
+/** Wait until the service worker has kept a file; the last that a page reads: it has them all. */
+export async function waitForCached(page: Page, name: string): Promise<void> {
+  const kept = () => page.evaluate(async (file) => !!(await caches.match(file)), name);
+  await expect.poll(kept, { timeout: TIMEOUT_MS }).toBe(true);
+}
+
 /** Share of pixels of a canvas that are not transparent, or dark on the display. */
 export async function darkShare(page: Page, selector: string): Promise<number> {
   return page.$eval(selector, (element) => {

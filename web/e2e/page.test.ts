@@ -8,6 +8,7 @@ import {
   download,
   waitForEnd,
   darkShare,
+  waitForCached,
   waitForServiceWorker,
   waitFor,
   waitUntil,
@@ -197,11 +198,10 @@ describe("small and off-line", () => {
   test("works without its server once it was loaded", async ({ open, drive }) => {
     const { page, context } = await open(drive);
     await page.evaluate(() => navigator.serviceWorker.ready.then(() => undefined));
-    // The second visit goes through the service worker and fills its cache, also with what is
-    // read after the first picture.
-    await page.reload({ waitUntil: "networkidle" });
-    await page.waitForFunction(() => document.title.includes("–"));
+    // The second visit goes through the service worker and fills its cache.
+    await page.reload();
     await waitForServiceWorker(page);
+    await waitForCached(page, "worst_paths.json");
     await context.setOffline(true);
     await page.reload();
     await page.waitForFunction(() => document.title.includes("–"));
