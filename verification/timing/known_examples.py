@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.workspace import Workspace
-from ravenbrick.timing.analysis import body_of, known_facts
+from ravenbrick.timing.analysis import known_facts
 from ravenbrick.timing.bounds import JobQuestion
 from ravenbrick.timing.facts.facts import Facts, read_facts
-from ravenbrick.timing.task_set.scheduled_tasks import WAITS
+from ravenbrick.timing.task_set.jobs import JobsOfTasks
 
 from verification.support.paths import ROOT
 
@@ -35,5 +35,5 @@ def known_example(name: str) -> KnownExample:
     robot = read_robot(workspace.project)
     facts, image = read_facts(robot), read_image(workspace.image("ram", robot.name))
     _, annotations = known_facts(robot, image, facts)
-    jobs = [(body_of(image, facts, task), *WAITS[task.release]) for task in robot.tasks]
+    jobs = JobsOfTasks(image, facts, robot.tasks, annotations, "nominal").questions
     return KnownExample(image, facts, annotations, jobs)

@@ -172,6 +172,36 @@ def test_code_outside_of_jobs_delays_less_urgent_tasks_and_not_its_own(tmp_path:
     assert bounds.keys() == less.keys() and "listener" in bounds
 
 
+REFILL = """[[outside]]
+symbol = "workers__refill"
+task = "listener"
+at_most_cycles = 90_000
+period_us = 1_000
+reason = ""
+
+[[mode]]
+name = "the same"
+reason = ""
+
+[[mode.loop]]
+symbol = "workers__sum"
+iterations = 40
+
+"""
+
+
+@pytest.mark.parametrize("timing", ["nominal", "pessimistic"])
+def test_sections_outside_of_jobs_block_as_those_in_jobs(timing: str, tmp_path: Path) -> None:
+    """In each timing profile, and in modes too."""
+    found = changed(tmp_path, "[[loop]]", REFILL + "[[loop]]")
+    outside = analysed(found, found.facts, timing)
+    inside = analysed(program(), program().facts, timing)
+    blocking = [one.tasks[0].blocking for one in (outside, inside)]
+    assert blocking[0] == blocking[1] and blocking[0].kind == "protected action"
+    (mode,) = (one for one in outside.modes if one.mode.name == "the same")
+    assert mode.bounds["control"].bound == outside.bounds["control"].bound
+
+
 MODE = """
 [[mode]]
 name = "short"
@@ -191,6 +221,8 @@ def test_a_run_that_leaves_a_mode_is_told_and_not_compared_with_it(tmp_path: Pat
     counts, recording = counted(changed(tmp_path, "[[loop]]", MODE + "[[loop]]"))
     check_facts_of_run(counts, "the run")
     left = left_modes(counts, "the run")["short"]
+    (loop,) = (one for one in counts if one.mode == "short" and "[[mode.loop]]" in one.fact)
+    assert (loop.declared, loop.seen) == (30, 40) and "declared 30, seen 40 at " in loop.excess
     assert "[[mode." in left and ", job " in left and " of control, workers.adb:" in left
     found = changed(tmp_path, "[[loop]]", MODE.replace("30", "90") + "[[loop]]")
     analysis, seen = analysed(found, found.facts), observe(found.robot, recording)

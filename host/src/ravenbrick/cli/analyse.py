@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -136,16 +136,15 @@ def _search(
     robot: Robot,
     scenario: Scenario,
     image: ElfImage,
+    analysis: Analysis,
     recording: Recording,
-    outside: Collection[str],
-    facts_counted: int,
     wanted: tuple[int, float, int],
     target: VirtualTarget,
     reporter: Reporter,
 ) -> _Search:
-    """`wanted` are variants to search, hours to observe, and cycles that a transfer takes; tasks in
-    `outside` have jobs without a deadline, and `facts_counted` are the facts that always hold."""
+    """`wanted` are variants to search, hours to observe, and cycles that a transfer takes."""
     variants, hours, transfer_cycles = wanted
+    outside = analysis.outside
     seen = undisturbed = observe(robot, recording, transfer_cycles, outside)
     worst: Mapping[str, WorstSample] = {}
     faultless: Mapping[str, WorstSample] = {}
@@ -162,7 +161,7 @@ def _search(
                 target=target,
                 transfer_cycles=transfer_cycles,
                 outside=outside,
-                facts_counted=facts_counted,
+                facts_counted=sum(not fact.mode for fact in analysis.counted),
             )
         worst = found.worst
         faultless, exceeded = found.undisturbed, found.exceeded
@@ -214,12 +213,12 @@ def _check_facts(
     counts, left = [], dict[str, str]()
     for what, run in runs.items():
         if run is not None:
-            found_counts = fact_counts(
-                robot, facts, image, analysis.counted, run, analysis.requests
-            )
-            counts.append([*found_counts, *outside_counts(robot, facts, run, transfer_cycles)])
-            check_facts_of_run(counts[-1], what)
-            left = left_modes(counts[-1] if what in faultless else [], what) | left
+            counted = fact_counts(robot, facts, image, analysis.counted, run, analysis.requests)
+            counted += outside_counts(robot, facts, run, transfer_cycles)
+            counts.append(counted)
+            check_facts_of_run(counted, what)
+            if what in faultless:
+                left = left_modes(counted, what) | left
             check_event_rates(robot, facts, run)
             check_job_kinds(robot, analysis, run, transfer_cycles)
             for timing in analysis.tasks:
@@ -352,10 +351,7 @@ def analyse_command(
     target = _target(timing_profile, analysis)
     recording = _recording(workspace, robot, chosen, elf, target, reporter)
     wanted = (search_variants, hours, STOLEN_CYCLES[timing_profile.value])
-    always = sum(not fact.mode for fact in analysis.counted)
-    found = _search(
-        robot, chosen, elf, recording, analysis.outside, always, wanted, target, reporter
-    )
+    found = _search(robot, chosen, elf, analysis, recording, wanted, target, reporter)
     counts, left = _check_facts(robot, facts, elf, analysis, recording, found, wanted[2])
     check_bounds(analysis, found.seen, found.more.get("long_run"))
     loop = read_loop(workspace.design_file)

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from ravenbrick.errors import DeadlineError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.model import Overheads, TaskSet
@@ -24,9 +23,7 @@ from ravenbrick.schedule.response_time import ResponseTimeBound
 from ravenbrick.timing.bounds import (
     Bound,
     ExecutionTimeError,
-    JobQuestion,
     execution_times,
-    whole_task,
 )
 from ravenbrick.timing.dispatch.dispatching_calls import DISPATCH_TABLES, DispatchingCalls
 from ravenbrick.timing.environment_stack import (
@@ -35,7 +32,7 @@ from ravenbrick.timing.environment_stack import (
     environment_stack,
 )
 from ravenbrick.timing.facts.counted_facts import CountedFact, counted_facts
-from ravenbrick.timing.facts.facts import TIMING_FILE, Facts, KindOfJob, Mode, annotations_of
+from ravenbrick.timing.facts.facts import Facts, KindOfJob, Mode, annotations_of
 from ravenbrick.timing.facts.source_facts import source_facts
 from ravenbrick.timing.initial_state import (
     ENVIRONMENT,
@@ -58,8 +55,6 @@ from ravenbrick.timing.task_set.background import (
     NO_BACKGROUND,
     Background,
     background_of,
-    endless_words,
-    main_symbol,
 )
 from ravenbrick.timing.task_set.events import (
     EventCost,
@@ -68,9 +63,16 @@ from ravenbrick.timing.task_set.events import (
     handlers_of_events,
 )
 from ravenbrick.timing.task_set.interrupt_blocking import interrupt_blocking
+from ravenbrick.timing.task_set.jobs import (
+    Annotations,
+    Jobs,
+    JobsOfTasks,
+    Kinds,
+    body_of,
+    longest_kinds,
+)
 from ravenbrick.timing.task_set.scheduled_interrupts import transfer_tasks
 from ravenbrick.timing.task_set.scheduled_tasks import (
-    WAITS,
     Change,
     Executions,
     Scheduled,
@@ -79,14 +81,13 @@ from ravenbrick.timing.task_set.scheduled_tasks import (
     requests_of,
     scheduled_bounds,
 )
-from ravenbrick.timing.task_set.suspension import joined_releases, with_operations
+from ravenbrick.timing.task_set.suspension import with_operations
 from ravenbrick.trace.task_set import check_names
 
 __all__ = [
     "Analysis",
     "ModeBounds",
     "analyse",
-    "body_of",
     "known_facts",
 ]
 
@@ -148,23 +149,6 @@ class Analysis:
         return sum(by_level.values())
 
 
-def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
-    """Symbol of a task's body. Raises `ExecutionTimeError` when it cannot be told."""
-    named = dict(facts.bodies).get(task.name.lower())
-    if named is not None:
-        return named
-    if task.name == ENVIRONMENT:
-        return main_symbol(image)
-    end = f"__{task.name.lower()}TKB"
-    found = sorted(name for name in image.symbols if name.endswith(end))
-    if len(found) == 1:
-        return found[0]
-    raise ExecutionTimeError(
-        f"the image has {len(found)} bodies for the task '{task.name}'; name the subprogram in "
-        f'{TIMING_FILE}: [[body]] task = "{task.name}", symbol = "..."'
-    )
-
-
 def _check_tasks(robot: Robot, brick: Any) -> None:
     """Tasks of robot.toml and of the image are the same: what is left out would not be counted."""
     known = [thread.name.lower() for thread in brick.threads()]
@@ -193,7 +177,7 @@ def _check_ceilings(robot: Robot, job: Bound, task: Task, objects: Any) -> None:
 
 
 def _solved(
-    image: ElfImage, facts: Facts, annotations: Sequence[tuple[str, str]], timing: str
+    image: ElfImage, facts: Facts, annotations: Annotations, timing: str
 ) -> list[tuple[str, str]]:
     """Costs of the functions for which there are facts about their paths."""
     costs: list[dict[str, Any]] = []
@@ -210,47 +194,6 @@ def _solved(
         cycles = longest_path(found.graph or {}, own)
         costs.append({"symbol": symbol, "cycles": min(cycles, found.cycles)})
     return [("longest paths", annotations_of({"cost": costs}))] if costs else []
-
-
-def _jobs(
-    image: ElfImage,
-    facts: Facts,
-    tasks: Sequence[Task],
-    annotations: Sequence[tuple[str, str]],
-    timing: str,
-    more: Sequence[tuple[str, str]],
-    paths: bool = False,
-) -> list[tuple[Task, Bound]]:
-    """Tasks with their jobs, under more annotations; with `paths`, also their worst paths."""
-
-    def asked(questions: Sequence[JobQuestion]) -> tuple[Bound, ...]:
-        known = [*annotations, *more]
-        return execution_times(
-            image.content, jobs=questions, annotations=known, timing=timing, paths=paths
-        ).jobs
-
-    bodies = [body_of(image, facts, task) for task in tasks]
-    try:
-        found = asked([(b, *WAITS[task.release]) for b, task in zip(bodies, tasks, strict=True)])
-    except ExecutionTimeError as question:
-        _check_endless(question, dict(zip(bodies, tasks, strict=True)))
-        raise
-    jobs = []
-    for task, job, body in zip(tasks, found, bodies, strict=True):
-        if facts.suspension(task.name) is None:
-            job = joined_releases(task, job, body, lambda question: asked([question])[0])
-        jobs.append((task, job))
-    return jobs
-
-
-def _check_endless(question: ExecutionTimeError, tasks: dict[str, Task]) -> None:
-    """Whatever the answer to a question is, a task that stays in a loop misses its deadline.
-
-    Raises `DeadlineError` for such a task."""
-    for body, line in question.data.get("endless", {}).items():
-        task = tasks[body]
-        words = f"NOT schedulable: {endless_words(task, line, list(tasks.values()))}"
-        raise DeadlineError(words, detail=f"{question}\n{question.detail}") from question
 
 
 def _handlers_stack_bytes(image: ElfImage) -> int:
@@ -271,56 +214,12 @@ def known_facts(
     return objects, [own, *facts.shared, *source_facts(image, devices), *known, calls]
 
 
-Kinds = Sequence[tuple[KindOfJob, Bound]]
-
-
-def _kinds(
-    image: ElfImage,
-    facts: Facts,
-    questions: Mapping[str, JobQuestion],
-    timing: str,
-    annotations: Sequence[tuple[str, str]],
-    stated: Sequence[tuple[str, str]],
-) -> Kinds:
-    """Kinds of jobs with their bounds, and with their worst paths if nothing more is stated."""
-    found = []
-    for kind in facts.kinds:
-        if kind.task not in questions:
-            continue
-        own = (f"{kind.file}, kind of job '{kind.name}'", kind.annotations)
-        known = [*annotations, *stated, (f"{facts.name}, [[outside]]", facts.outside), own]
-        jobs = [questions[kind.task]]
-        times = execution_times(
-            image.content, jobs=jobs, annotations=known, timing=timing, paths=not stated
-        )
-        found.append((kind, times.jobs[0]))
-    return found
-
-
-def _of_kinds(
-    jobs: Sequence[tuple[Task, Bound]], kinds: Kinds, facts: Facts
-) -> list[tuple[Task, Bound]]:
-    """The jobs, each as the longest of its kinds. What a job that waits inside executes and waits
-    is longest together, which its kinds do not tell."""
-    found = []
-    for task, job in jobs:
-        own = [bound for kind, bound in kinds if kind.task == task.name]
-        if own and task.release == "cyclic" and facts.suspension(task.name) is None:
-            longest = max(own, key=lambda bound: bound.cycles)
-            if longest.cycles < job.cycles:
-                path, report = longest.path, longest.report
-                job = replace(job, cycles=longest.cycles, path=path, report=report)
-        found.append((task, job))
-    return found
-
-
 def _executions(
+    of_jobs: JobsOfTasks,
     facts: Facts,
-    bounded: Callable[[Sequence[tuple[str, str]]], list[tuple[Task, Bound]]],
-    kinds_of: Callable[[Sequence[tuple[str, str]]], Kinds],
     kernel: Services,
-    jobs: Sequence[tuple[Task, Bound]],
-    stated: Sequence[tuple[str, str]],
+    jobs: Jobs,
+    stated: Annotations,
 ) -> list[Executions]:
     """Bounds of jobs with the ends of protected actions at which the processor is given away, and,
     if there are any, without them.
@@ -329,16 +228,16 @@ def _executions(
     or, wherever a job may execute it, to the job.
     """
 
-    def executions(jobs: Sequence[tuple[Task, Bound]], kinds: Kinds, dispatch: int) -> Executions:
+    def executions(jobs: Jobs, kinds: Kinds, dispatch: int) -> Executions:
         each = [(kind, bound.cycles) for kind, bound in kinds]
-        return Executions(_of_kinds(jobs, kinds, facts), each, dispatch)
+        return Executions(longest_kinds(jobs, kinds, facts), each, dispatch)
 
-    found = [executions(jobs, kinds_of(stated), 0)]
+    found = [executions(jobs, of_jobs.kinds(stated), 0)]
     if any(DISPATCH in job.reached for _, job in jobs):
         without = [*stated, no_cost(DISPATCH)]
-        pairs = zip(jobs, bounded(without), strict=True)
+        pairs = zip(jobs, of_jobs.bounds(without), strict=True)
         jobs = [(t, replace(job, cycles=min(job.cycles, s.cycles))) for (t, job), (_, s) in pairs]
-        found.append(executions(jobs, kinds_of(without), kernel.dispatch))
+        found.append(executions(jobs, of_jobs.kinds(without), kernel.dispatch))
     return found
 
 
@@ -366,7 +265,7 @@ def _scheduled(
 def _modes(
     facts: Facts,
     of_facts: Callable[[Facts, Executions, Change | None], Scheduled],
-    executions_of: Callable[[Sequence[tuple[str, str]]], Sequence[Executions]],
+    executions_of: Callable[[Annotations], Sequence[Executions]],
 ) -> tuple[ModeBounds, ...]:
     modes = []
     for mode in facts.modes:
@@ -416,37 +315,34 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
     background = background_of(
         robot, image, brick, partial(body_of, image, facts), annotations, timing
     )
-    places = (f"{facts.name}, [[outside]]", facts.outside)
-    bounded = partial(_jobs, image, facts, tasks, [*annotations, places], timing)
-    jobs = bounded((), paths=True)
+    of_jobs = JobsOfTasks(image, facts, tasks, annotations, timing)
+    jobs = of_jobs.bounds(paths=True)
     stuck = [(task, job) for task, job in jobs if job.endless is not None]
     if stuck:
         background = background.with_never_waiting(stuck)
         tasks = [task for task, job in jobs if job.endless is None]
-        bounded = partial(_jobs, image, facts, tasks, [*annotations, places], timing)
+        of_jobs = replace(of_jobs, tasks=tasks)
         jobs = [pair for pair in jobs if pair[0] in tasks]
-    questions = [(body_of(image, facts, task), *WAITS[task.release]) for task in tasks]
-    asked = dict(zip((task.name for task in tasks), questions, strict=True))
-    kinds_of = partial(_kinds, image, facts, asked, timing)
-    if facts.outside:
-        whole = [whole_task(image.content, annotations, one) for one in questions]
-        jobs = [(t, replace(j, **more)) for (t, j), more in zip(jobs, whole, strict=True)]
+    jobs = of_jobs.with_outside(jobs)
     environment = environment_stack(image, brick, annotations)
     jobs = [(task, environment.of_job(task.name, job)) for task, job in jobs]
     background = background.with_stacks(environment)
     for task, job in [*jobs, *background.all_threads]:
         _check_ceilings(robot, job, task, objects)
-    facts = with_operations(facts, jobs, bounded)
+    facts = with_operations(facts, jobs, of_jobs.bounds)
     blocking = interrupt_blocking(image, costs, events, kernel, releasing)
     transfers = transfer_tasks(image, blocking, facts)
     of_facts = partial(scheduled_bounds, blocking, alarm, background, transfers)
-    known = partial(kinds_of, annotations)
-    executions_of = partial(_executions, facts, bounded, known, kernel)
-    modes = _modes(facts, of_facts, lambda stated: executions_of(bounded(stated), stated))
+    executions_of = partial(_executions, of_jobs, facts, kernel)
+    modes = _modes(
+        facts,
+        of_facts,
+        lambda stated: executions_of(of_jobs.with_outside(of_jobs.bounds(stated)), stated),
+    )
     executions = executions_of(jobs, [])
     scheduled = partial(_scheduled, partial(of_facts, facts), executions)
     found = scheduled()
-    roots = [body for body, _, _ in questions] + [cost.handler.symbol for cost in costs]
+    roots = [*of_jobs.bodies, *(cost.handler.symbol for cost in costs)]
     return Analysis(
         found.timings,
         costs,
@@ -473,14 +369,13 @@ def _counted(
     image: ElfImage,
     roots: Sequence[str],
     facts: Facts,
-    annotations: Sequence[tuple[str, str]],
+    annotations: Annotations,
 ) -> tuple[CountedFact, ...]:
     """Facts of the project, the drivers and the sources, and targets in dispatch tables; then those
     of modes."""
-    outside = f"{facts.name}, [[outside]]"
-    files = {facts.name, outside, "pragma Annotate", DISPATCH_TABLES}
+    files = {facts.name, facts.of_jobs[0], "pragma Annotate", DISPATCH_TABLES}
     files |= {name for name, _ in facts.shared}
-    known = [*annotations, (outside, facts.outside)]
+    known = [*annotations, facts.of_jobs]
     found = counted_facts(image.content, roots, known, files)
     for mode in facts.modes:
         name = facts.mode_file(mode.name)

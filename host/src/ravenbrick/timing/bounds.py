@@ -28,7 +28,6 @@ __all__ = [
     "execution_times",
     "recursion_words",
     "stack_bounds",
-    "whole_task",
 ]
 
 
@@ -302,15 +301,3 @@ def stack_bounds(
 ) -> tuple[StackBound, ...]:
     """Stacks of functions with all they call, whatever time that takes."""
     return execution_times(elf, stacks=symbols, annotations=annotations).stacks
-
-
-def whole_task(
-    elf: bytes, annotations: Sequence[tuple[str, str]], question: JobQuestion
-) -> dict[str, Any]:
-    """What a task does to others, and its stack, also outside of its jobs, as fields of `Bound`.
-
-    Raises `ExecutionTimeError` for a critical section without a bound.
-    """
-    (bound,) = execution_times(elf, background=[question[0]], annotations=annotations).background
-    names = ("stack_bytes", "stack_lost", "stack_gap", "critical_sections", "reached")
-    return {name: getattr(bound, name) for name in names}

@@ -23,6 +23,20 @@ package body Workers is
    function Half (Value : Unsigned_32) return Unsigned_32 with No_Inline;
    function Apply (Value : Unsigned_32) return Unsigned_32 with No_Inline;
    procedure Seldom with No_Inline;
+   procedure Refill with No_Inline;
+
+   protected Store with Priority => 12 is
+      procedure Fill;
+   end Store;
+
+   protected body Store is
+      procedure Fill is
+      begin
+         for Item of Values loop
+            Item := 3;
+         end loop;
+      end Fill;
+   end Store;
 
    function Sum (Count : Unsigned_32) return Unsigned_32 is
       Total : Unsigned_32 := 0;
@@ -51,6 +65,11 @@ package body Workers is
       Result := Values (1);
    end Seldom;
 
+   procedure Refill is
+   begin
+      Store.Fill;
+   end Refill;
+
    --  Every seventh job has the longest table; the listener is released by every third.
    task body Control is
       Next  : Time := Epoch;
@@ -77,6 +96,9 @@ package body Workers is
       loop
          Suspend_Until_True (Cue);
          Result := Values (3);
+         if Length = 0 then
+            Refill;
+         end if;
       end loop;
    end Listener;
 

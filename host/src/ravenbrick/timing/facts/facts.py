@@ -215,6 +215,11 @@ class Facts:
         """The file, for messages."""
         return TIMING_FILE if self.document is None else str(self.document.path)
 
+    @property
+    def of_jobs(self) -> tuple[str, str]:
+        """Name and text of the annotations that hold for jobs only."""
+        return f"{self.name}, [[outside]]", self.outside
+
     def mode_file(self, mode: str) -> str:
         """What the annotations of a mode are called."""
         return f"{self.name}, mode '{mode}'"

@@ -21,11 +21,11 @@ from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts.counted_facts import CountedFact
 from ravenbrick.timing.facts.facts import Facts, InterruptLoad
 from ravenbrick.timing.observation.job_facts import (
-    TOLERANCE_CYCLES,
     FactCount,
     request_counts,
     together_counts,
 )
+from ravenbrick.timing.observation.outside_jobs import have_deadline
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
@@ -98,22 +98,16 @@ class _Run:
         return task is not None and task.release == "cyclic"
 
     def in_a_job_with_deadline(self, thread: int | None, at: int) -> bool:
-        """Is a task in a job after which it keeps its period, not in a handler?
-
-        After a job without a deadline, such as a search, a cyclic task is released anew.
-        """
+        """Is a task in a job with a deadline, not in a handler?"""
         if thread is None or self.handler(at) is not None:
             return False
         task = self._robot.task(self._recording.threads[thread].name)
         found = self.job(thread, at)
         if task is None or task.release == "background" or found is None:
             return False
-        number, job = found
-        later = jobs_of(self._recording, thread)[number:]
-        if task.release != "cyclic" or task.period_us is None or not later:
-            return task.release != "cyclic"
-        interval = later[0].release_cycles - job.release_cycles
-        return abs(interval - MASTER_CLOCK.cycles_of_us(task.period_us)) <= TOLERANCE_CYCLES
+        releases = [job.release_cycles for job in jobs_of(self._recording, thread)]
+        kept = have_deadline(task, np.array(releases, np.int64), {task.name})
+        return bool(kept[found[0] - 1])
 
     def words(self, thread: int | None, at: int) -> str:
         """Instant and job."""
@@ -133,38 +127,28 @@ def _code_at(image: ElfImage, address: int) -> str:
 
 
 def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: dict[str, Any]) -> FactCount:
-    if fact.mode:
-        return _in_mode(run, fact, count)
+    """What the program executes of a fact; one of a mode holds wherever the code is executed."""
     arrivals = [a for a in count["arrivals"] if a["at_cycles"] >= run.since]
-    if fact.table == "avoided":
+    in_jobs = fact.table == "avoided" and not fact.mode
+    if in_jobs:
         arrivals = [a for a in arrivals if run.in_a_job_with_deadline(a["thread"], a["at_cycles"])]
-    text = fact.fact.replace("[[avoided]]", "[[outside]]")
+    text = fact.fact.replace("[[avoided]]", "[[outside]]" if in_jobs else "[[never]]")
+    if fact.mode:
+        text = text.replace("[[", "[[mode.")
     seen = int(count["most"]) if fact.table in ("loop", "recursion") else 0
+    found = FactCount(text, fact.place, fact.declared, min(seen, fact.declared), mode=fact.mode)
     if not arrivals:
-        return FactCount(text, fact.place, fact.declared, min(seen, fact.declared))
+        return found
     worst = max(arrivals, key=lambda arrival: int(arrival["count"]))
     where = f"{run.words(worst['thread'], worst['at_cycles'])}, {fact.place}"
     if fact.table == "call":
         target = _code_at(image, worst["target"])
-        return FactCount(text, fact.place, 0, 1, f"seen the target {target} {where}")
+        return replace(found, declared=0, seen=1, excess=f"seen the target {target} {where}")
     seen = len(arrivals) if fact.table in ("never", "avoided") else worst["count"]
-    what = {"never": "executions", "avoided": "executions in a job", "recursion": "activations"}
-    unit = what.get(fact.table, "")
-    numbers = f"declared {fact.declared}, seen {seen}" + (f" {unit}" if unit else "")
-    return FactCount(text, fact.place, fact.declared, seen, f"{numbers} {where}")
-
-
-def _in_mode(run: _Run, fact: CountedFact, count: dict[str, Any]) -> FactCount:
-    """Executions of a loop or of code, whoever executes it, in a run that may be in the mode."""
-    arrivals = [a for a in count["arrivals"] if a["at_cycles"] >= run.since]
-    text = fact.fact.replace("[[avoided]]", "[[never]]").replace("[[", "[[mode.")
-    if not arrivals:
-        return FactCount(text, fact.place, fact.declared, 0, mode=fact.mode)
-    first = arrivals[0]
-    seen = len(arrivals) if fact.table == "avoided" else max(int(a["count"]) for a in arrivals)
-    where = run.words(first["thread"], first["at_cycles"])
-    words = f"declared {fact.declared}, seen {seen} {where}, {fact.place}"
-    return FactCount(text, fact.place, fact.declared, seen, words, fact.mode)
+    executions = " executions in a job" if in_jobs else " executions"
+    units = {"never": executions, "avoided": executions, "recursion": " activations"}
+    numbers = f"declared {fact.declared}, seen {seen}{units.get(fact.table, '')}"
+    return replace(found, seen=seen, excess=f"{numbers} {where}")
 
 
 def _rate(run: _Run, fact: str, place: str, limits: tuple[int, int], at: Cycles) -> FactCount:

@@ -25,11 +25,14 @@ def have_deadline(
     """Which jobs of a task have one, by their releases. A cyclic task in `outside` is released anew
     after a job without one, so the next release is not a period later; of the last job it is not
     known."""
-    cyclic = task is not None and task.release == "cyclic" and task.name in outside
-    if not cyclic or task is None or task.period_us is None:
+    if task is None or task.release != "cyclic" or task.name not in outside:
         return np.ones(release.size, np.bool_)
-    away = np.diff(release) - MASTER_CLOCK.cycles_of_us(task.period_us)
-    return np.append(np.abs(away) <= TOLERANCE_CYCLES, [False] * min(1, release.size))
+    away = np.diff(release) - MASTER_CLOCK.cycles_of_us(task.period_us or 0)
+    return np.append(np.abs(away) <= TOLERANCE_CYCLES, False)[: release.size]
+
+
+def _at(cycles: int) -> str:
+    return f"at {float(MASTER_CLOCK.seconds(cycles)):.6f} s"
 
 
 def outside_count(
@@ -37,24 +40,21 @@ def outside_count(
 ) -> list[FactCount]:
     """Longest execution of a job without a deadline, and shortest time to the next release, of a
     task that has such jobs; `own` are the net execution times of its completed jobs."""
-    loads = facts.outside_of(task.name)
     chosen = ~have_deadline(task, release, {task.name}) & (release >= since)
     counts = []
-    for load in loads:
+    for load in facts.outside_of(task.name):
         text = f'{load.file}: [[outside]] task = "{task.name}"'
-        longest = int(own[chosen].max()) if chosen.any() else 0
-        excess = ""
+        longest, excess = int(own[chosen].max(initial=0)), ""
         if longest > load.at_most_cycles:
-            at = release[chosen][int(own[chosen].argmax())]
-            when = f"at {float(MASTER_CLOCK.seconds(int(at))):.6f} s"
-            excess = f"declared {load.at_most_cycles}, seen {longest} cycles in the job {when}"
+            where = _at(int(release[chosen][own[chosen].argmax()]))
+            excess = f"declared {load.at_most_cycles}, seen {longest} cycles in the job {where}"
         counts.append(FactCount(text, "at_most_cycles", load.at_most_cycles, longest, excess))
-        gaps = np.diff(release)[chosen[:-1]]
-        least = int(gaps.min()) if gaps.size else MASTER_CLOCK.cycles_of_us(load.period_us)
-        excess, least_us = "", round(1e6 * float(MASTER_CLOCK.seconds(least)))
-        if least < MASTER_CLOCK.cycles_of_us(load.period_us) - TOLERANCE_CYCLES:
-            at = release[:-1][chosen[:-1]][int(gaps.argmin())]
-            when = f"at {float(MASTER_CLOCK.seconds(int(at))):.6f} s"
-            excess = f"declared {load.period_us} us, released again {least_us} us after {when}"
+        period = MASTER_CLOCK.cycles_of_us(load.period_us)
+        gaps, excess = np.diff(release)[chosen[:-1]], ""
+        least = int(gaps.min()) if gaps.size else period
+        least_us = round(1e6 * float(MASTER_CLOCK.seconds(least)))
+        if least < period - TOLERANCE_CYCLES:
+            where = _at(int(release[:-1][chosen[:-1]][gaps.argmin()]))
+            excess = f"declared {load.period_us} us, released again {least_us} us after {where}"
         counts.append(FactCount(text, "period_us", load.period_us, least_us, excess))
     return counts

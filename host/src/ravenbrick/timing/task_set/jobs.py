@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 Ravenbrick contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Execution times of the jobs of a project's tasks, from its image."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from ravenbrick.errors import DeadlineError
+from ravenbrick.image.elf import ElfImage
+from ravenbrick.project.robot import Task
+from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
+from ravenbrick.timing.facts.facts import TIMING_FILE, Facts, KindOfJob
+from ravenbrick.timing.initial_state import ENVIRONMENT
+from ravenbrick.timing.task_set.background import endless_words, main_symbol
+from ravenbrick.timing.task_set.scheduled_tasks import WAITS
+from ravenbrick.timing.task_set.suspension import joined_releases
+
+Annotations = Sequence[tuple[str, str]]
+"""Texts of facts about code, with the names of their files."""
+Jobs = list[tuple[Task, Bound]]
+Kinds = Sequence[tuple[KindOfJob, Bound]]
+
+
+def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
+    """Symbol of a task's body. Raises `ExecutionTimeError` when it cannot be told."""
+    named = dict(facts.bodies).get(task.name.lower())
+    if named is not None:
+        return named
+    if task.name == ENVIRONMENT:
+        return main_symbol(image)
+    end = f"__{task.name.lower()}TKB"
+    found = sorted(name for name in image.symbols if name.endswith(end))
+    if len(found) == 1:
+        return found[0]
+    raise ExecutionTimeError(
+        f"the image has {len(found)} bodies for the task '{task.name}'; name the subprogram in "
+        f'{TIMING_FILE}: [[body]] task = "{task.name}", symbol = "..."'
+    )
+
+
+@dataclass(frozen=True)
+class JobsOfTasks:
+    """Bounds of the jobs of these tasks, with what is known of their code; `timing` is a profile of
+    the timing that no document fixes."""
+
+    image: ElfImage
+    facts: Facts
+    tasks: Sequence[Task]
+    annotations: Annotations
+    timing: str
+
+    @property
+    def bodies(self) -> list[str]:
+        """Symbols of the tasks' bodies."""
+        return [body_of(self.image, self.facts, task) for task in self.tasks]
+
+    @property
+    def questions(self) -> list[JobQuestion]:
+        """Of each task, its body and where its jobs wait."""
+        waits = (WAITS[task.release] for task in self.tasks)
+        return [(body, *wait) for body, wait in zip(self.bodies, waits, strict=True)]
+
+    def _asked(
+        self, questions: Sequence[JobQuestion], more: Annotations, paths: bool = False
+    ) -> tuple[Bound, ...]:
+        known = [*self.annotations, self.facts.of_jobs, *more]
+        return execution_times(
+            self.image.content, jobs=questions, annotations=known, timing=self.timing, paths=paths
+        ).jobs
+
+    def bounds(self, more: Annotations = (), paths: bool = False) -> Jobs:
+        """The jobs under more annotations; with `paths`, also their worst paths."""
+        try:
+            found = self._asked(self.questions, more, paths)
+        except ExecutionTimeError as question:
+            _check_endless(question, dict(zip(self.bodies, self.tasks, strict=True)))
+            raise
+        jobs = []
+        for task, job, body in zip(self.tasks, found, self.bodies, strict=True):
+            if self.facts.suspension(task.name) is None:
+                job = joined_releases(task, job, body, lambda one: self._asked([one], more)[0])
+            jobs.append((task, job))
+        return jobs
+
+    @cached_property
+    def _whole(self) -> dict[str, Bound]:
+        """Bodies of the tasks by the task's name, in jobs and outside of them."""
+        found = execution_times(
+            self.image.content,
+            background=self.bodies,
+            annotations=self.annotations,
+            timing=self.timing,
+        ).background
+        return {task.name: body for task, body in zip(self.tasks, found, strict=True)}
+
+    def with_outside(self, jobs: Jobs) -> Jobs:
+        """Jobs with what their tasks do to others, and their stacks, also outside of jobs."""
+        if not self.facts.outside_loads:
+            return jobs
+        names = ("stack_bytes", "stack_lost", "stack_gap", "critical_sections", "reached")
+
+        def together(task: Task, job: Bound) -> Bound:
+            whole = self._whole[task.name]
+            return replace(job, **{name: getattr(whole, name) for name in names})
+
+        return [(task, together(task, job)) for task, job in jobs]
+
+    def kinds(self, stated: Annotations) -> Kinds:
+        """Kinds of jobs with their bounds, and with their worst paths if nothing more is stated."""
+        questions = dict(zip((task.name for task in self.tasks), self.questions, strict=True))
+        found = []
+        for kind in self.facts.kinds:
+            if kind.task in questions:
+                own = (f"{kind.file}, kind of job '{kind.name}'", kind.annotations)
+                asked = self._asked([questions[kind.task]], [*stated, own], paths=not stated)
+                found.append((kind, asked[0]))
+        return found
+
+
+def longest_kinds(jobs: Jobs, kinds: Kinds, facts: Facts) -> Jobs:
+    """The jobs, each as the longest of its kinds. What a job that waits inside executes and waits
+    is longest together, which its kinds do not tell."""
+    found = []
+    for task, job in jobs:
+        own = [bound for kind, bound in kinds if kind.task == task.name]
+        if own and task.release == "cyclic" and facts.suspension(task.name) is None:
+            longest = max(own, key=lambda bound: bound.cycles)
+            if longest.cycles < job.cycles:
+                path, report = longest.path, longest.report
+                job = replace(job, cycles=longest.cycles, path=path, report=report)
+        found.append((task, job))
+    return found
+
+
+def _check_endless(question: ExecutionTimeError, tasks: dict[str, Task]) -> None:
+    """Whatever the answer to a question is, a task that stays in a loop misses its deadline.
+
+    Raises `DeadlineError` for such a task."""
+    for body, line in question.data.get("endless", {}).items():
+        task = tasks[body]
+        words = f"NOT schedulable: {endless_words(task, line, list(tasks.values()))}"
+        raise DeadlineError(words, detail=f"{question}\n{question.detail}") from question
