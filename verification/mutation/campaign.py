@@ -22,6 +22,7 @@ import time
 import tomllib
 from collections.abc import Iterator
 from contextlib import ExitStack
+from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -107,7 +108,6 @@ class Judge:
             if file.suffix == ".rs":
                 file.touch()  # Cargo's products outlive the copy of an earlier run
         self._needed_s: dict[Path, float] = {}
-        self._executed: Executed | None = None
 
     def _unchanged_s(self, command: str) -> float:
         passed, needed_s = self.scratch.run(command, LIMIT_S)
@@ -127,47 +127,30 @@ class Judge:
             self._needed_s |= dict.fromkeys(new, needed_s / len(new))
         return 30 + 5 * sum(self._needed_s[path] for path in keys)
 
+    def _prepare(self, mutant: Mutant) -> None:
+        """Do what needs the sources as they are."""
+        self._limit_s(self._tests_near(mutant))
+
+    def _tests_near(self, mutant: Mutant) -> list[Path]:
+        return self.room.tests_near(self.scratch.tree, mutant.file, self.near)
+
     def _takes(self, mutant: Mutant, changed: str) -> bool:
         """Whether a compiler takes what the mutant makes of its file."""
-        if not self.room.executed:
-            taken, self.used_s = self.scratch.run(self.room.build, LIMIT_S)
-            return taken
-        self.used_s = 0.0
-        try:
-            compile(changed, mutant.file, "exec")
-        except SyntaxError:
-            return False
-        return True
+        taken, self.used_s = self.scratch.run(self.room.build, LIMIT_S)
+        return taken
 
     def _passed(self, mutant: Mutant, source: str) -> bool:
-        """Whether its tests pass."""
-        if not self.room.executed:
-            tests = self.room.tests_near(self.scratch.tree, mutant.file, self.near)
-            passed, needed_s = self.scratch.run(self.room.command(tests), self._limit_s(tests))
-        else:
-            executed = self._all_executed()
-            names = executed.tests(mutant, source)
-            if not names:
-                self.scratch.log.write_text("no test executes it\n")
-                return True
-            passed, needed_s = executed.passed(names)
+        """Whether the tests of a mutant of this source pass."""
+        tests = self._tests_near(mutant)
+        passed, needed_s = self.scratch.run(self.room.command(tests), self._limit_s(tests))
         self.used_s += needed_s
         return passed
-
-    def _all_executed(self) -> Executed:
-        if self._executed is None:
-            self._unchanged_s(self.room.build)
-            self._executed = Executed(self.room, self.scratch, LIMIT_S)
-        return self._executed
 
     def outcome(self, mutant: Mutant) -> str:
         """Of one mutant; the file is as before afterwards."""
         file = self.scratch.tree / mutant.file
         source = file.read_text(encoding="utf-8")
-        if self.room.executed:
-            self._all_executed()
-        else:
-            self._limit_s(self.room.tests_near(self.scratch.tree, mutant.file, self.near))
+        self._prepare(mutant)
         changed = mutant.applied(source)
         file.write_text(changed, encoding="utf-8")
         try:
@@ -188,6 +171,34 @@ class Judge:
                 yield mutant, "survived" if passed else "killed"
 
 
+class PythonJudge(Judge):
+    """Of a mutant it runs the tests that execute it."""
+
+    @cached_property
+    def _executed(self) -> Executed:
+        self._unchanged_s(self.room.build)
+        return Executed(self.room, self.scratch, LIMIT_S)
+
+    def _prepare(self, mutant: Mutant) -> None:
+        assert self._executed
+
+    def _takes(self, mutant: Mutant, changed: str) -> bool:
+        self.used_s = 0.0
+        try:
+            compile(changed, mutant.file, "exec")
+        except SyntaxError:
+            return False
+        return True
+
+    def _passed(self, mutant: Mutant, source: str) -> bool:
+        tests = self._executed.tests(mutant, source)
+        if not tests:
+            self.scratch.log.write_text("no test executes it\n")
+            return True
+        passed, self.used_s = self._executed.passed(tests)
+        return passed
+
+
 def judged(
     room: Room, sample: int, seed: int, end: float, near: int = 0
 ) -> Iterator[tuple[Mutant, str]]:
@@ -205,7 +216,8 @@ def judged(
         for mutant in waiting:
             outcome = outcomes.of(mutant)
             if outcome is None and judge is None and time.monotonic() <= end:
-                judge = Judge(room, stack.enter_context(Scratch(room.name)), near)
+                judging = PythonJudge if room.executed else Judge
+                judge = judging(room, stack.enter_context(Scratch(room.name)), near)
                 if room.one_build:
                     counted = (other for other in waiting if outcomes.of(other) != "refused")
                     unknown = [m for m in islice(counted, sample) if outcomes.of(m) is None]

@@ -14,7 +14,7 @@ import pytest
 
 from verification.commands import NoResultError
 from verification.mutation import executed
-from verification.mutation.campaign import Judge
+from verification.mutation.campaign import PythonJudge
 from verification.mutation.executed import Executed, statement_lines
 from verification.mutation.rooms import Room
 from verification.support.paths import ROOT
@@ -147,7 +147,7 @@ def test_of_a_mutant_the_tests_run_that_can_notice_it(
     assert tests("x += 1 => x -= 1")[0] == "end"
     assert set(tests("return 5 => return 6")) == everyone
     assert tests("return x - 7 => return x - 8") == []
-    judge = Judge(made, given)
+    judge = PythonJudge(made, given)
     for change, outcome in {
         "LIMIT = 3 => LIMIT = 4": "killed",
         "1, => 2,": "survived",
