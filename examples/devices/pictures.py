@@ -213,7 +213,8 @@ def guide() -> str:
     ]
     for name, example in EXAMPLES.items():
         if example.outside is None:
-            caption = f"{example.device}: {example.seen}."
+            device = example.device[:1].upper() + example.device[1:]
+            caption = f"{device}: {example.seen}."
             lines += ["", f"```{{brick}} devices/{name} picture", ":folded:", caption, "```"]
     return "\n".join([*lines, ""])
 
