@@ -47,9 +47,8 @@ def create_from_diagram(
     `ravenbrick.codegen.control_task`. Raises `UsageError` or `DesignError` and then has written
     nothing.
     """
-    own, known = (f"name = {json.dumps(name)}" for name in (diagram.name, "functional"))
-    text = diagram_text(diagram).replace(own, known, 1)
-    diagram = read_diagram(text)
+    diagram = read_diagram(diagram_text(diagram))
+    diagram.name = "functional"
     code = generate_c(diagram)
     control_task(code.files["functional.h"], diagram.sample_time, inputs, outputs)
     read = {name: inputs.get(name, 0.0) for name in _names(diagram, Inport)}
@@ -67,7 +66,7 @@ def create_from_diagram(
     workspace = create_from(directory, FROM_DIAGRAM, "diagram", marks)
     folder = workspace.project / "diagrams"
     folder.mkdir()
-    (folder / "controller.toml").write_text(text, encoding="utf-8")
+    (folder / "controller.toml").write_text(diagram_text(diagram), encoding="utf-8")
     return workspace
 
 

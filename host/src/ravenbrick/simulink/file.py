@@ -283,7 +283,8 @@ def _system_of(
         instance = {key: text for data in block.all("InstanceData")
                     for key, text in data.values().items()}  # fmt: skip
         parameters = {**defaults.get(kind, {}), **own, **instance}
-        shown = " ".join(name.split()) or f"{kind} {key.strip() or len(name)}"  # only blanks
+        # Names of blanks only are told apart by the block's number, or else by their length.
+        shown = " ".join(name.split()) or f"{kind} {key.strip() or len(name)}"
         found = SimulinkBlock(shown, kind, parameters)
         found.mask, found.instance = _mask_of(block, own), instance
         chart = _CHART_TAG.match(own.get("Tag", ""))
