@@ -134,13 +134,17 @@ def test_a_diagram_drives_a_robot_and_gets_a_port_without_any_ada(tmp_path: Path
 
 
 def test_a_diagram_may_have_any_name(tmp_path: Path) -> None:
-    """In the project it is the one that the Ada calls."""
-    (tmp_path / "servo.toml").write_text(DIAGRAM.replace("functional", "servo"))
+    """It keeps it, and the C has the name that the Ada calls."""
+    servo = DIAGRAM.replace("functional", "servo")
+    (tmp_path / "servo.toml").write_text(servo)
     words = ["new", str(tmp_path / "robot"), "--from-diagram", str(tmp_path / "servo.toml")]
     done = CliRunner().invoke(app, [*words, "--output", "duty=motor.B.duty"])
     assert done.exit_code == 0, done.output
     text = (tmp_path / "robot" / "diagrams" / "controller.toml").read_text()
-    assert text == diagram_text(read_diagram(DIAGRAM))
+    assert text == diagram_text(read_diagram(servo))
+    done = CliRunner().invoke(app, ["design", str(tmp_path / "robot")])
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "robot" / "generated" / "functional.c").exists()
 
 
 def project_of(one: DrivenController, form: str, folder: Path) -> Path:

@@ -43,12 +43,12 @@ def create_from_diagram(
 ) -> Workspace:
     """Make a project folder whose controller is `diagram`, with its ports' devices.
 
-    There it is called `functional`, as the project's Ada expects. The devices are those of
-    `ravenbrick.codegen.control_task`. Raises `UsageError` or `DesignError` and then has written
-    nothing.
+    The devices are those of `ravenbrick.codegen.control_task`. Raises `UsageError` or
+    `DesignError` and then has written nothing.
     """
-    diagram = read_diagram(diagram_text(diagram))
-    diagram.name = "functional"
+    text = diagram_text(diagram)
+    diagram = read_diagram(text)
+    diagram.name = "functional"  # as in the project's design.py
     code = generate_c(diagram)
     control_task(code.files["functional.h"], diagram.sample_time, inputs, outputs)
     read = {name: inputs.get(name, 0.0) for name in _names(diagram, Inport)}
@@ -66,7 +66,7 @@ def create_from_diagram(
     workspace = create_from(directory, FROM_DIAGRAM, "diagram", marks)
     folder = workspace.project / "diagrams"
     folder.mkdir()
-    (folder / "controller.toml").write_text(diagram_text(diagram), encoding="utf-8")
+    (folder / "controller.toml").write_text(text, encoding="utf-8")
     return workspace
 
 
