@@ -316,7 +316,10 @@ def longest_job(run: Run, thread: int, period_ms: float, window: Span) -> int:
     return max(thread_cycles(run, thread, (at, at + period)) for at in range(*window, period))
 
 
-def measure(program: Program, elf: bytes) -> tuple[list[Operation], list[Interrupt], list[Task]]:
+Measured = tuple[list[Operation], list[Interrupt], list[Task]]
+
+
+def measure(program: Program, elf: bytes) -> Measured:
     """Operations, interrupts and the drivers' own tasks."""
     brick = start(program, elf)
     brick.run(program.end_ms)
@@ -371,19 +374,20 @@ def telemetry_memory(elf: bytes) -> list[dict[str, Any]]:
     return rows
 
 
-def figures(images: dict[str, bytes]) -> dict[str, Any]:
-    """All figures by name, in cycles, for programs that reckon with them."""
+def figures(results: Callable[[str], Measured], telemetry_image: bytes) -> dict[str, Any]:
+    """All figures by name, in cycles, for programs that reckon with them, from what the runs of the
+    programs give."""
     operations: list[Operation] = []
     interrupts: dict[str, Interrupt] = {}
     tasks: dict[str, Task] = {}
     for program in PROGRAMS:
-        measured, handlers, own = measure(program, images[program.name])
+        measured, handlers, own = results(program.name)
         operations += measured[1:-1]
         interrupts = {row.name: row for row in handlers} | interrupts
         tasks = {task.name: task for task in own} | tasks
     return {
         "telemetry": {
-            "memory": telemetry_memory(images[TELEMETRY]),
+            "memory": telemetry_memory(telemetry_image),
             "sample_bytes": {"fixed": SAMPLE_BYTES, "per_value": 4},
         },
         "clock_hz": [CLOCK_NUMERATOR, CLOCK_DENOMINATOR],
@@ -488,9 +492,9 @@ def telemetry_lines(known: dict[str, Any]) -> list[str]:
 
 def main(folder: Path, page: Path) -> None:
     """Write the page, and the figures beside it."""
-    names = [program.name for program in PROGRAMS]
-    images = {name: (folder / name / "ram" / f"{name}.elf").read_bytes() for name in names}
-    known = figures(images)
+    programs = {program.name: program for program in PROGRAMS}
+    images = {name: (folder / name / "ram" / f"{name}.elf").read_bytes() for name in programs}
+    known = figures(lambda name: measure(programs[name], images[name]), images[TELEMETRY])
     page.write_text(table(known), encoding="utf-8")
     text = json.dumps(known, indent=1) + "\n"
     page.with_suffix(".json").write_text(text, encoding="utf-8")
