@@ -59,8 +59,8 @@ def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
         passed = counts["passed"] == judged
         failures = counts["failures"] or [f"{judged - counts['passed']} of {judged}"]
         # Skipped tests lack data or a program: the last run, which had more of it, says more.
-        if passed and last and suite.kind == "pytest" and last["passed"] > judged:
-            reasons = "; ".join(str(e["reason"]) for e in counts["excluded"])
+        reasons = "; ".join(str(e["reason"]) for e in counts["excluded"])
+        if passed and reasons and last and last["passed"] > judged and suite.kind == "pytest":
             return {**last, "note": short(f"{today()}: only {judged} cases can run: {reasons}")}
         return {
             **head,
