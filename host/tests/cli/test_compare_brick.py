@@ -18,6 +18,8 @@ from ravenbrick.brick.links.peers import UsbComputer
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
 
+pytestmark = pytest.mark.usefixtures("self_test_runs")
+
 # The command, but for the kernel's list of the bus and pyusb, which see no played device.
 COMMAND = """
 from pathlib import Path

@@ -26,6 +26,7 @@ from ravenbrick.self_test.record import write_record
 from ravenbrick.self_test.taking import from_virtual_brick
 from ravenbrick.trace.recording import EVENT_TYPE, Recording, Signal, Stop
 
+pytestmark = pytest.mark.usefixtures("self_test_runs")
 WHO = ("--by", "Ada L.", "--battery", "nimh", "--on", "2026-11-26")
 
 

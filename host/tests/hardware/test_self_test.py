@@ -27,6 +27,7 @@ from ravenbrick.self_test.record import (
 )
 from ravenbrick.self_test.taking import from_virtual_brick
 
+pytestmark = pytest.mark.usefixtures("self_test_runs")
 LONG = pytest.mark.long("a search with all parameters")
 SEVERAL = {
     "flash_sequential_arm_wait_cycles": 0,

@@ -15,14 +15,23 @@ import io
 import os
 import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.cli.pipeline import read_run, run_scenario
+from ravenbrick.errors import RunFaultError
+from ravenbrick.image.build import build_image, manifest_file
+from ravenbrick.image.design_script import adopt_design
+from ravenbrick.image.elf import read_image
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+from ravenbrick.project.templates import create_project
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.report.chart import COLOURS, SERIES
 from ravenbrick.report.plots.style import legend, new_figure
 from ravenbrick.trace.recording import Recording
@@ -73,17 +82,16 @@ def _key(*parts: object) -> str:
     return hashlib.sha256(repr((_common(), *parts)).encode()).hexdigest()
 
 
-def _call(*command: str, folder: Path, ends: tuple[int, ...] = (0,)) -> str:
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    environment = {k: v for k, v in os.environ.items() if not k.startswith("MAKE")}
-    environment |= {"PATH": path, "RAVENBRICK_HOME": str(ROOT)}
-    done = subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
-    if done.returncode not in ends:
-        said = (done.stdout + done.stderr)[-2000:]
-        raise RuntimeError(f"'{' '.join(command)}' ended with {done.returncode}:\n{said}")
-    return done.stdout
+def _edited(made: Path, changes: Edits) -> None:
+    for name, change in changes.items():
+        file = made / name
+        text = change if isinstance(change, str) else file.read_text("utf-8")
+        for old, new in () if isinstance(change, str) else change:
+            if old not in text:
+                raise ValueError(f"{name} of the template has no '{old}'")
+            text = text.replace(old, new)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
 
 
 def project(template: str, edits: Edits | None = None) -> Path:
@@ -94,34 +102,32 @@ def project(template: str, edits: Edits | None = None) -> Path:
     """
     changes = edits or {}
     folder = KEPT / _key(template, sorted(changes.items()))[:16] / "robot"
-    if folder.is_dir():
-        return folder
-    made = folder.parent.with_name(f"{folder.parent.name}-{os.getpid()}")
-    made.mkdir(parents=True)
-    _call("ravenbrick", "new", "robot", "--template", template, folder=made)
-    for name, change in changes.items():
-        file = made / "robot" / name
-        text = change if isinstance(change, str) else file.read_text("utf-8")
-        for old, new in () if isinstance(change, str) else change:
-            if old not in text:
-                raise ValueError(f"{name} of the template '{template}' has no '{old}'")
-            text = text.replace(old, new)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, encoding="utf-8")
-    _call("make", "-C", "robot", folder=made)
-    try:
-        made.rename(folder.parent)
-    except OSError:  # another process was first
-        shutil.rmtree(made)
+    if not folder.is_dir():
+        made = folder.parent.with_name(f"{folder.parent.name}-{os.getpid()}")
+        made.mkdir(parents=True)
+        adopt_design(create_project(made / "robot", template))
+        _edited(made / "robot", changes)
+        try:
+            made.rename(folder.parent)
+        except OSError:  # another process was first
+            shutil.rmtree(made)
+    workspace, robot = Workspace.of(folder), read_robot(folder)
+    if not manifest_file(workspace.image("ram", robot.name)).is_file():
+        build_image(workspace, robot, "ram")
     return folder
 
 
 def run(template: str, scenario: str, edits: Edits | None = None) -> Recording:
     """A run of such a project on the virtual brick; criteria may fail, and programs may end."""
     folder = project(template, edits)
-    record = folder / "out" / "robot" / "recordings" / f"{scenario}.npz"
+    workspace, robot = Workspace.of(folder), read_robot(folder)
+    record = workspace.recording(scenario)
     if not record.is_file():
-        _call("ravenbrick", "run", "robot", scenario, folder=folder.parent, ends=(0, 7, 8))
+        chosen = read_scenario(scenario_path(folder, scenario), robot)
+        image = read_image(workspace.image("ram", robot.name))
+        recording = run_scenario(workspace, robot, chosen, image, VirtualTarget())
+        with suppress(RunFaultError):
+            read_run(robot, chosen, recording)
     return Recording.load(record)
 
 
@@ -147,9 +153,10 @@ def write_sheet(number: str, folder: Path) -> None:
 
 
 def write_figures(folder: Path = PICTURES, wanted: Sequence[str] = ()) -> None:
-    """Write the figures of these sheets, of all without numbers."""
+    """Write the figures of these sheets, of all without numbers; the last ones take longest."""
     numbers = [re.sub(r"\D", "", path.stem) for path in sorted(HERE.glob("sheet_*.py"))]
     chosen = [number for number in numbers if not wanted or number in wanted]
+    _common()  # once for all processes
     with ProcessPoolExecutor(os.cpu_count()) as pool:
-        for done in [pool.submit(write_sheet, number, folder) for number in chosen]:
+        for done in [pool.submit(write_sheet, number, folder) for number in reversed(chosen)]:
             done.result()

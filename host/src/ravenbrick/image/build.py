@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import errno
-import json
 import math
 import os
 import re
@@ -27,6 +26,12 @@ from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.locks import locked
 from ravenbrick.image.manifest import BuildManifest
 from ravenbrick.image.memory import MemoryReport, memory_report
+from ravenbrick.image.object_folders import (
+    COMPILED_WITH,
+    archive_of,
+    keep_objects,
+    same_objects,
+)
 from ravenbrick.image.run_time import (
     COMPILER,
     run_time_library,
@@ -56,7 +61,6 @@ __all__ = [
 PROJECT_FILE = "robot.gpr"
 BUSY = "in this project"
 LINKER = "arm-none-eabi-gcc"
-COMPILED_WITH = "compiled-with.json"
 # Choices that no object depends on.
 LINKED_ONLY = ("name", "HEAP", "SUPERVISION")
 _READ = re.compile(r'^(?:\s*adding source dir= |Parsing )"(.*)"$', re.MULTILINE)
@@ -187,21 +191,6 @@ def _run(
     return process.returncode, "".join(lines)
 
 
-@contextmanager
-def _same_objects(folder: Path, choices: dict[str, Any]) -> Iterator[None]:
-    """Objects in a folder are compiled by these choices, each whole; gprbuild would not notice.
-
-    They are removed when others compiled them, or when whoever did was killed.
-    """
-    record, text = folder / COMPILED_WITH, json.dumps(choices, sort_keys=True)
-    if not record.is_file() or record.read_text("utf-8") != text:
-        shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True, exist_ok=True)
-    record.unlink(missing_ok=True)
-    yield
-    record.write_text(text, encoding="utf-8")
-
-
 def _check_project(workspace: Workspace, settings: Settings) -> None:
     if not (workspace.project / PROJECT_FILE).is_file():
         raise ProjectFileError(
@@ -272,6 +261,7 @@ def _build(
                 f"{PROJECT_FILE}: does not take the controller of GENERATED="
                 f"{os.environ['GENERATED']}; write Application.Generated in its Source_Dirs"
             )
+        archive = archive_of(settings, files) if files else None
         kernel_folders, kernel_files = run_time_sources(settings)
         files += [run_time / "adalib" / "libgnat.a", workspace.project / DESIGN_SCRIPT]
         manifest = BuildManifest.now(choices, folders + kernel_folders, files + kernel_files)
@@ -283,7 +273,7 @@ def _build(
         switches = {path: f[1] for path, f in manifest.files.items() if path.endswith(".gpr")}
         compiled |= switches
         shared |= {p: f for p, f in switches.items() if not p.endswith(f"/{PROJECT_FILE}")}
-        with _same_objects(own, compiled), _same_objects(drivers, shared):
+        with same_objects(own, compiled), same_objects(drivers, shared, archive):
             code, output = _run(command, workspace, environment, log, lock, show)
             if is_disk_full(output):
                 raise disk_full(folder)
@@ -294,6 +284,7 @@ def _build(
         if code != 0:
             raise build_failure(workspace.project, kind, output, log)
         image = read_image(elf)
+        keep_objects(drivers, archive)
         memory = memory_report(image, robot)
         memory.write(folder / "memory.json")
         if folders:
