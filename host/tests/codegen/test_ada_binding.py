@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from verification.support.codegen.c_build import ada_object
+from verification.support.codegen.coder_models import FORMS, coder_files
 from verification.support.codegen.paper_pi import paper_pi
 
 from ravenbrick.codegen import AdaBinding, ada_binding, generate_c, read_header
@@ -21,6 +22,8 @@ SCHEMES = {
     "shortened": ("ExtU_functional_T", "ExtY_functional_T", "DW_functional_T", "P_functional_T",
                   "functional_DW"),
 }  # fmt: skip
+
+WORK = SCHEMES["classic"][2]
 
 
 def coder_header(scheme: str, real: str = "real_T") -> str:
@@ -100,6 +103,46 @@ def test_application_types_are_converted_in_the_body(tmp_path: Path) -> None:
         in (files["controller.adb"])
     )
     compiled(files, tmp_path)
+
+
+def test_a_model_without_states_leaves_its_work_area_alone(tmp_path: Path) -> None:
+    """Neither operation reads it, which compiles without a warning."""
+    text = coder_header("classic").replace("extern D_Work_functional functional_DWork;\n", "")
+    files = ada_binding(text, AdaBinding("Controller"))
+    assert files["controller.adb"].count("pragma Unreferenced (Work);") == 2
+    compiled(files, tmp_path)
+
+
+def test_values_of_an_array_are_set_whole(tmp_path: Path) -> None:
+    """Seven taps in rows of six, a scalar beside them; another number of values is refused."""
+    text = coder_header("classic").replace(
+        "  real_T Saturation;", "  real_T Taps[7];\n  real_T Saturation;"
+    )
+    taps = [1, 2.5, -3, 0, 4, 5, 6e-7]
+    binding = AdaBinding("Controller", values={"Taps": taps, "Saturation": 8})
+    files = ada_binding(text, binding)
+    body = " ".join(files["controller.adb"].split())
+    assert "Model_Parameters.Taps := (1.0, 2.5, -3.0, 0.0, 4.0, 5.0, 6.0e-07);" in body
+    assert "Model_Parameters.Saturation := 8.0;" in body
+    compiled(files, tmp_path)
+    for name, value, count in (
+        ("Taps", taps[:6], "7"),
+        ("Taps", 1, "7"),
+        ("Saturation", [8], "one"),
+    ):
+        with pytest.raises(DesignError, match=f"parameter '{name}' needs {count} numbers"):
+            ada_binding(text, AdaBinding("Controller", values={name: value}))
+
+
+def test_of_two_types_for_the_work_the_model_s_own_structure_says_which() -> None:
+    """A subsystem that bears the model's name has a type of its own, by the other scheme."""
+    files = coder_files(FORMS[2])
+    text = files.pop("functional.h")
+    place = "/* State of '<Root>' */"
+    assert place in text and read_header(text, "functional.h", files).types["work"] == WORK
+    other = "typedef struct { double own; } DW_functional_T;"
+    found = read_header(text.replace(place, f"{other}\n{place}"), "functional.h", files)
+    assert found.types["work"] == WORK
 
 
 def test_structures_are_found_under_either_name() -> None:

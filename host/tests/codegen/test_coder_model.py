@@ -130,6 +130,11 @@ def _without_header(folder: Path) -> None:
     (folder / "functional.h").unlink()
 
 
+def _with_another(folder: Path) -> None:
+    text = (folder / "functional.h").read_text()
+    (folder / "other.h").write_text(text.replace("functional", "other"))
+
+
 def _including(name: str) -> Callable[[Path], None]:
     def change(folder: Path) -> None:
         text = (folder / "functional.c").read_text()
@@ -155,7 +160,8 @@ def _for_another_processor(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (_without_header, "one header <model>.h"),
+        (_without_header, "one header <model>.h .*; found: none"),
+        (_with_another, "one header <model>.h .*; found: functional.h, other.h"),
         (_including('"div_s32.h"'), r"div_s32.h is included .* \(slprj/ert/_sharedutils\)"),
         (_including("<arm_math.h>"), "CMSIS .* set 'Code replacement library' to None"),
         (_including('"MW_AnalogIn.h"'), "'Hardware board' to None .* inports and outports"),
@@ -209,6 +215,8 @@ def test_a_folder_that_is_no_model_is_refused(
         ('package = "A"\n[inputs]\nu = 1', "inputs.u must be a table of factors"),
         ('package = "A"\n[inputs.u]\nv = "w"', "inputs.u.v must be a number"),
         ('package = "A"\n[values]\nk = "w"', "values.k must be a number or a list"),
+        ('package = "A"\n[values]\nk = [1, "w"]', "values.k must be a number or a list"),
+        ('package = "A"\n[values]\nk = [1, true]', r"a list of numbers, not \[1, True\]"),
         ('package = "A', "Unterminated|Illegal|Expected"),
     ],
 )

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
+import numpy as np
 import pytest
 
 from ravenbrick.codegen import control_task, generate_c
@@ -61,6 +63,32 @@ def test_a_speed_is_the_difference_over_its_window(window: int) -> None:
 def test_a_window_without_a_sample_is_refused() -> None:
     with pytest.raises(DesignError, match="window is 0 samples"):
         task(speed_window=0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "about", "least", "most", "scale"),
+    [
+        ("uint8_T", "", 0, 255, 1),
+        ("int8_T", "", -128, 127, 1),
+        ("int16_T", "sfix16_En4", -32768, 32767, 16),
+        ("uint16_T", "ufix16_En2", 0, 65535, 4),
+        ("int32_T", "", -(2**31), 2**31 - 1, 1),
+        ("uint32_T", "ufix32_En8", 0, 2**32 - 1, 256),
+    ],
+)
+def test_an_input_of_whole_numbers_saturates_at_the_ends_of_its_type(
+    kind: str, about: str, least: int, most: int, scale: int
+) -> None:
+    """Whatever is written into its variable; what comes of it in single precision fits the type."""
+    text = header().replace("real32_T speed;", f"{kind} speed; /* {about} */")
+    assert kind in text
+    body = control_task(text, 0.004, {}, {})["tasks.adb"]
+    sentence = r"Inputs\.Speed := Interfaces\.\w+ \(Float'Rounding \(Float'Max \((\S+), "
+    sentence += r"Float'Min \((\S+), Speed_Seen\)\)(?: \* (\S+))?\)\);"
+    found = re.search(sentence, " ".join(body.split()))
+    assert found is not None and float(found[3] or 1.0) == scale
+    ends = [float(np.float32(float(end)) * np.float32(scale)) for end in (found[1], found[2])]
+    assert ends[0] == least and most * (1 - 2.0**-23) <= ends[1] <= most
 
 
 def test_devices_are_read_before_the_step_and_driven_after_it() -> None:

@@ -19,6 +19,7 @@ from ravenbrick.codegen import (
     check_program,
     check_with_gappa,
     gappa_script,
+    generate_ada,
     generate_c,
     generate_fixed_c,
     prove,
@@ -38,6 +39,7 @@ from ravenbrick.model import (
     Outport,
     Relay,
     Rounding,
+    Sum,
     to_fixed_point,
 )
 from ravenbrick.model.program import Kind
@@ -162,6 +164,19 @@ def test_gappa_proves_the_one_step_bound(name: str) -> None:
     check_with_gappa(gappa_script(fixed, bounds))
     with pytest.raises(DesignError, match="cannot prove"):
         check_with_gappa(gappa_script(fixed, {k: 0.5 * v for k, v in bounds.items()}))
+
+
+def test_inputs_of_different_fractions_are_added_without_a_product() -> None:
+    """To more fractional bits Ada converts, and in real numbers nothing happens."""
+    diagram = Diagram("scales", 0.01)
+    total = diagram.add(Sum("Total", signs="++"))
+    for port, name in enumerate(("Fine", "Coarse")):
+        diagram.connect(diagram.add(Inport(name)), total, port)
+    diagram.connect(total, diagram.add(Outport("Out")))
+    fixed = to_fixed_point(diagram, FixedPointOptions({"Fine": 1.0, "Coarse": 10.0}))
+    converted = "Total := Sfix32_En14 (Inputs.Fine) + Sfix32_En14 (Inputs.Coarse);"
+    assert converted in generate_ada(fixed).files["scales.adb"]
+    assert "Total_f = (Fine_g + Coarse_g);" in gappa_script(fixed, prove(fixed).one_step)
 
 
 def gain_before(last: Block) -> FixedPoint:

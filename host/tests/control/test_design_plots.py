@@ -70,6 +70,8 @@ def test_every_axis_is_named_with_its_unit(design: DesignedLoop) -> None:
         design.family_figure([member]),
         design.robustness_figure(robustness),
     ]
+    low, high = figures[4].axes[0].get_ylim()
+    assert low < 0.0 and 1.02 < high  # the beginning of a response, and the band that it enters
     for figure in figures:
         found = labels(figure)
         assert len(found) >= 2
@@ -107,7 +109,9 @@ def test_the_bode_plot_draws_what_python_control_computes() -> None:
     ):
         figure = bode_figure(system, "loop")
         line, phase = (axis.lines[0] for axis in figure.axes)
-        frequencies, decibels = line.get_data()
+        frequencies, decibels = map(np.asarray, line.get_data())
+        if system.dt:
+            assert frequencies[-1] == pytest.approx(np.pi / system.dt, rel=1e-5)
         wanted = control.frequency_response(system, frequencies)
         assert decibels == pytest.approx(20 * np.log10(wanted.magnitude), abs=1e-6)
         assert np.cos(np.radians(phase.get_ydata())) == pytest.approx(

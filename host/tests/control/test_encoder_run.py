@@ -17,6 +17,7 @@ from ravenbrick.control import (
     pi_by_lambda,
     pi_diagram,
 )
+from ravenbrick.control.estimation.encoder_run import EncoderRun
 from ravenbrick.control.estimation.speed_estimators import EdgeTimes
 from ravenbrick.model import Encoder, Execution, IntegrationMethod, SpeedLoop
 
@@ -59,6 +60,24 @@ def test_the_quantised_loop_does_what_was_computed_elsewhere(
     if settling is not None:
         assert found.settling_time == pytest.approx(settling, abs=0.012)
     assert abs(found.bias) < 5e-4
+
+
+def test_runs_are_measured_by_what_they_are() -> None:
+    """By hand: a speed that is the set-point; one that never settles; one that rises in a line to
+    1.1 at 0.5 s and stays: its mean over 0.02 s leaves the band for good at 1.02 and 0.46 s."""
+    fine, coarse = np.linspace(0.0, 1.0, 4001)[:-1], np.linspace(0.0, 1.0, 251)[:-1]
+
+    def measures(speed: np.ndarray) -> RunMeasures:
+        flat = np.full(250, 2.0)
+        return measure_runs([EncoderRun(2.0, coarse, flat, flat, flat, fine, 2.0 * speed)])
+
+    still = measures(np.ones(4000))
+    assert list(vars(still).values()) == pytest.approx([0.0] * 6, abs=1e-12)
+    never = measures(np.minimum(2.2 * fine, 1.1))
+    assert never.settling_time == pytest.approx(1.0 - 0.01, abs=3e-4)
+    assert (never.overshoot, never.bias) == pytest.approx((0.1, 0.1))
+    late = measures(np.where(fine < 0.3, 0.5 + fine / 0.3 * 0.55, 1.0))
+    assert 0.28 < late.settling_time < 0.31
 
 
 def test_the_plain_difference_shows_two_values_only() -> None:

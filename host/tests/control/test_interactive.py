@@ -68,6 +68,20 @@ def test_poles_and_code_follow_a_slider(tunable: TunableLoop) -> None:
     assert after["settling_time"] > before["settling_time"] + 0.1
 
 
+def test_code_and_sliders_stand_beside_the_pictures(tunable: TunableLoop) -> None:
+    """Nothing is on or outside of anything else: axes, and the text of the code."""
+    name = f"{tunable.program.name}.c"
+    figure = Figure(figsize=(12, 8))
+    InteractiveDesign(figure, tunable, lambda program: generate_c(program).files[name])
+    figure.canvas.draw()
+    areas = [axis.get_window_extent() for axis in figure.axes]
+    for number, area in enumerate(areas):
+        assert not any(area.overlaps(other) for other in areas[:number])
+    (code,) = [text for axis in figure.axes for text in axis.texts if "Kp:" in text.get_text()]
+    assert figure.bbox.contains(*code.get_window_extent().min)
+    assert figure.bbox.contains(*code.get_window_extent().max)
+
+
 def test_a_loop_that_is_not_stable_says_so(tunable: TunableLoop) -> None:
     """And can be dragged back."""
     figure = Figure(figsize=(12, 8))
@@ -111,6 +125,28 @@ def test_poles_of_a_damping_and_a_frequency_lie_on_lines_of_the_grid(
         fine = (ends[:-1, np.newaxis] + np.diff(ends)[:, np.newaxis] * steps).ravel()
         near.append(float(np.abs(fine - pole).min() / abs(pole)))
     assert sorted(near)[1] < 1e-3
+
+
+@pytest.mark.parametrize("sample_time", [0.01, None])
+def test_lines_of_the_grid_are_labelled_with_what_they_mean(sample_time: float | None) -> None:
+    """At the place of each label: the damping, or the natural frequency in 1/s; the view stays."""
+    _, axes = new_figure(5, 5)
+    axis = axes[0, 0]
+    axis.set_xlim(-100, 10)
+    axis.set_ylim(-100, 100)
+    plane_grid(axis, sample_time)
+    kinds = {"/s": 0, "": 0}
+    for text in axis.texts:
+        place = complex(*text.get_position())
+        root = np.log(place) / sample_time if sample_time else place
+        unit = "/s" if text.get_text().endswith("/s") else ""
+        value = float(text.get_text().removesuffix("/s"))
+        found = abs(root) if unit else -root.real / abs(root)
+        assert found == pytest.approx(value, rel=6e-3)
+        kinds[unit] += 1
+    assert kinds == {"/s": 10, "": 9}
+    if sample_time is None:
+        assert (axis.get_xlim(), axis.get_ylim()) == ((-100, 10), (-100, 100))
 
 
 MOTOR = control.ss([[0, 1], [0, -20]], [[0], [40]], np.eye(2), np.zeros((2, 1)))
@@ -174,6 +210,13 @@ def test_a_cascade_of_two_rates_has_the_poles_of_its_slow_rate() -> None:
     assert "of 40 ms" in figure.axes[0].get_title()
     assert set(shown.figures()) == {"settling_time", "overshoot"}
     assert any("no Bode plot" in axis.get_title() for axis in figure.axes)
+
+
+@pytest.mark.parametrize("factor", [2, 4])
+def test_a_loop_of_several_rates_has_no_margins(factor: int) -> None:
+    """A sine in is no single sine out, already where one rate is half the other."""
+    shown = InteractiveDesign(Figure(figsize=(12, 8)), servo(0.01 * factor))
+    assert set(shown.figures()) == {"settling_time", "overshoot"}
 
 
 def test_the_step_of_two_rates_is_that_of_the_controller_as_it_runs() -> None:

@@ -25,6 +25,7 @@ from ravenbrick.model import (
     UnitDelay,
     to_fixed_point,
 )
+from ravenbrick.model.program import Kind
 
 
 def ringing(rounding: Rounding) -> FixedPoint:
@@ -58,6 +59,17 @@ def test_a_filter_that_rings_is_found() -> None:
     dead_band = 0.5 / (1 - 0.95)
     out = 2 ** (10 - 6)
     assert 0 < found.largest_lsb <= 2 * dead_band * out
+
+
+def test_the_inputs_searched_are_zero_small_or_anywhere_in_half_the_range() -> None:
+    """Beyond, states that swing would reach their limits. Each start of this filter rings."""
+    fixed = ringing(Rounding.NEAREST)
+    found = search_limit_cycles(fixed, starts=60, steps=300).cycles
+    form = fixed.format(Kind.INPUT, "In")
+    sizes = [abs(form.real(cycle.inputs["In"])) for cycle in found]
+    assert len(found) == 60 and sizes[0] == 0.0
+    assert max(sizes[1::2]) <= 8 * form.lsb < max(sizes[2::2]) / 10
+    assert 0.45 < max(sizes) <= 0.5
 
 
 def test_cutting_off_lets_a_real_pole_come_to_rest_more_often() -> None:

@@ -52,6 +52,20 @@ def test_settling_agrees_with_a_fine_grid(seed: int) -> None:
     assert exact.overshoot == pytest.approx(max(output.max() - 1, 0), abs=1e-6)
 
 
+def test_a_plain_gain_is_settled_at_once() -> None:
+    """Continuous and sampled."""
+    for system in (control.tf([3.0], [1.0]), control.tf([3.0], [1.0], 0.01)):
+        found = step_metrics(system)
+        assert (found.settling_time, found.overshoot, found.final_value) == (0.0, 0.0, 3.0)
+
+
+@pytest.mark.parametrize("pole", [-0.5, -0.9])
+def test_the_overshoot_of_samples_is_that_of_the_first_one(pole: float) -> None:
+    """1 - pole^k with a pole below 0: the first sample after the step is 1 - pole."""
+    found = step_metrics(control.tf([1 - pole], [1.0, -pole], 0.01))
+    assert found.overshoot == pytest.approx(-pole, rel=1e-9)
+
+
 def test_an_unstable_system_is_refused_with_its_pole() -> None:
     """The message names the pole."""
     with pytest.raises(DesignError, match="not stable"):

@@ -1,15 +1,30 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Worst-case peak gains against closed forms and against the inputs that reach them."""
+"""Worst-case peak gains, and the bounds that they give, beside closed forms and what is reached."""
 
 from __future__ import annotations
 
 import control
 import numpy as np
 import pytest
+from verification.support.codegen.paper_pi import fixed_pi
 
-from ravenbrick.control import peak_gain
+from ravenbrick.control import PlantInLoop, closed_loop_bound, peak_gain
+from ravenbrick.control.rounding.ideal_error import ideal_bounds
 from ravenbrick.errors import DesignError
+from ravenbrick.model import (
+    Block,
+    Diagram,
+    DiscreteStateSpace,
+    DiscreteTransferFunction,
+    Execution,
+    FixedPoint,
+    FixedPointOptions,
+    Inport,
+    Outport,
+    to_fixed_point,
+)
+from ravenbrick.model.program import Kind
 
 
 @pytest.mark.parametrize("pole", [0.0, 0.5, -0.9, 0.999])
@@ -34,6 +49,77 @@ def test_the_peak_gain_is_reached_but_not_exceeded() -> None:
         reached = float((c @ state)[0, 0])
         assert reached <= gain
         assert reached == pytest.approx(gain, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("system", "measured", "sentence"),
+    [
+        (control.ss([[0.9]], [[0.1]], [[1.0]], 0, 0.01), ("Speed",), "sample time 0.01.*0.004 s"),
+        (
+            control.ss([[0.9]], [[0.1, 0.1]], [[1.0]], 0, 0.004),
+            ("Speed",),
+            "2 inputs and 1 outputs",
+        ),
+        (control.ss([[0.9]], [[0.1]], [[1.0]], 1.0, 0.004), ("Speed",), "passes its input on"),
+        (control.ss([[0.9]], [[0.1]], [[1.0]], 0, 0.004), ("Sped",), "'Sped' is not an Inport"),
+    ],
+)
+def test_a_plant_that_does_not_fit_the_diagram_is_refused(
+    system: control.StateSpace, measured: tuple[str, ...], sentence: str
+) -> None:
+    with pytest.raises(DesignError, match=sentence):
+        closed_loop_bound(fixed_pi(), PlantInLoop(system, measured))
+
+
+def chain(block: Block) -> Diagram:
+    """From In through the block to Out."""
+    diagram = Diagram("lag", 0.01)
+    parts = diagram.add(Inport("In")), diagram.add(block), diagram.add(Outport("Out"))
+    diagram.connect_chain(*parts)
+    return diagram
+
+
+def lag(pole: float) -> FixedPoint:
+    """x' = pole x + (1 - pole) In in fixed point, however coarse its gains are."""
+    block = DiscreteTransferFunction("F", numerator=(0.0, 1 - pole), denominator=(1.0, -pole))
+    options = FixedPointOptions({"In": 1.0}, accumulator_bits=32, tolerance=None)
+    return to_fixed_point(chain(block), options)
+
+
+@pytest.mark.parametrize("pole", [0.9, 0.99, 0.998])
+def test_a_filter_in_fixed_point_stays_within_its_bound_of_the_design(pole: float) -> None:
+    """For inputs that stay at 1 or -1 for long; they come to a tenth of the bound at least."""
+    fixed = lag(pole)
+    (bound,) = ideal_bounds(fixed).values()
+    ports = fixed.format(Kind.INPUT, "In"), fixed.format(Kind.OUTPUT, "Out")
+    run, dice = Execution(fixed.program), np.random.default_rng(1)
+    state = worst = 0.0
+    for value in np.repeat(dice.choice((-1.0, 1.0), 12), round(4 / (1 - pole))):
+        got = ports[1].real(run.step({"In": ports[0].raw(value)})["Out"])
+        worst = max(worst, abs(got - state))
+        state = pole * state + (1 - pole) * value
+    total = bound.rounding + bound.coefficients + ports[1].lsb
+    assert 0.1 * total < worst <= total
+
+
+def test_the_bound_of_gains_as_held_counts_the_initial_value() -> None:
+    """By hand, from 1/2 with a pole of 0.9 held with 15 bits: a sum over what is left of it."""
+    bounds = []
+    for start in (0.0, 0.5):
+        block = DiscreteStateSpace(
+            "F", a=((0.9,),), b=((0.1,),), c=((1.0,),), d=((0.0,),), initial=(start,)
+        )
+        options = FixedPointOptions({"In": 1.0}, accumulator_bits=32, tolerance=None)
+        (bound,) = ideal_bounds(to_fixed_point(chain(block), options)).values()
+        bounds.append(bound.coefficients)
+    held, steps = round(0.9 * 2**15) / 2**15, np.arange(500)
+    assert bounds[1] - bounds[0] == pytest.approx(0.5 * np.abs(held**steps - 0.9**steps).sum())
+
+
+def test_no_bound_is_stated_where_errors_drive_a_state_to_its_limit() -> None:
+    """A thirty-second of its range is left: at 0.9988, roundings and gains add up to more."""
+    with pytest.raises(DesignError, match=r"state 'F_DSTATE1' may be wrong by 0\.03"):
+        ideal_bounds(lag(0.9988))
 
 
 def test_an_integrator_has_no_peak_gain() -> None:

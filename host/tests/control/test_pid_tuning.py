@@ -69,6 +69,11 @@ def test_what_cannot_be_is_said_with_the_phase_that_is_missing() -> None:
     """A PI cannot lead, poles come in pairs, a plant has no zeros."""
     with pytest.raises(DesignError, match=r"turn the phase by 26\.3 deg; a PI turns it by -90"):
         pid_by_margin(ANGLE, 60.0, 30.0, "PI")
+    lags = control.tf([40.0], [1.0, 4.0, 5.0, 2.0])
+    for kind, least in (("PD", 0), ("PID", -90)):
+        sentence = rf"turn the phase by 117\.3 deg; a {kind} turns it by {least} to 90 deg"
+        with pytest.raises(DesignError, match=sentence):
+            pid_by_margin(lags, 50.0, 10.0, kind)
     with pytest.raises(DesignError, match="must come in pairs"):
         pid_by_poles(SPEED, [-1 + 2j, -3.0])
     with pytest.raises(DesignError, match="3 poles for a plant of order 1"):

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import linalg
 
 from ravenbrick.control import pi_by_lambda, pi_diagram
 from ravenbrick.control.estimation.encoder_run import SampleTiming, encoder_run
@@ -64,6 +65,32 @@ def test_each_estimator_finds_an_even_speed(estimator: SpeedEstimator, scatter: 
     assert np.ptp(estimates) <= scatter
 
 
+def test_the_tracking_loop_is_critically_damped() -> None:
+    """A shaft that begins to turn at v: its speed comes as v (1 - (1 + w t) exp(-w t))."""
+    speed, frequency = 100.0, math.tau * 5.0
+    loop = TrackingLoop(ENCODER, 5.0, 1e-4)
+    time = 1e-4 * np.arange(1, 3000)
+    counts = [ENCODER.count(speed * instant) for instant in time]
+    found = [
+        loop.estimate(Measurement(t, n, 0.0, 0.0), 0.0) for t, n in zip(time, counts, strict=True)
+    ]
+    expected = speed * (1 - (1 + frequency * time) * np.exp(-frequency * time))
+    assert np.abs(found - expected).max() < 0.01 * speed
+
+
+def test_the_observer_is_the_steady_kalman_filter_of_its_noise() -> None:
+    """The first count moves the speed by the filter's gain, P C' / (C P C' + R), times the angle at
+    its middle; P by SciPy from Riccati's equation, for the noises as stated."""
+    rate, gain, count = 1 / LOOP.time_constant, LOOP.gain / LOOP.time_constant, math.radians(1)
+    continuous = np.array([[0.0, 1.0, 0.0], [0.0, -rate, gain], [0.0, 0.0, 0.0]])
+    matrix, row = linalg.expm(continuous * SAMPLE_TIME), np.array([[1.0, 0.0, 0.0]])
+    process, rounding = np.diag([0.0, 0.3**2, 0.02**2]), count**2 / 12
+    spread = linalg.solve_discrete_are(matrix.T, row.T, process, [[rounding]])
+    expected = spread[1, 0] / (spread[0, 0] + rounding) * 1.5 * count
+    observer = MotorObserver(ENCODER, LOOP, SAMPLE_TIME, disturbance=0.02, speed_noise=0.3)
+    assert observer.estimate(Measurement(0.0, 1, 0.0, 0.0), 0.0) == pytest.approx(expected)
+
+
 def test_coarse_time_stamps_read_in_steps() -> None:
     """One millisecond on some 2.4 ms between edges."""
     assert np.ptp(steady(EdgeTimes(ENCODER, 1e-3), 7.3)) > 1.0
@@ -94,7 +121,10 @@ def test_the_picture_names_axes_and_units(tmp_path) -> None:  # type: ignore[no-
     menu = {"difference": standard_menu(LOOP, SAMPLE_TIME)["difference"]}
     rows = compare_speed_estimators(LOOP, PI, 9.0, [4.0], menu, duration=0.1)
     plot_speed_estimators(rows, tmp_path / "menu.svg")
-    assert (tmp_path / "menu.svg").read_text().startswith("<?xml")
+    text = (tmp_path / "menu.svg").read_text()
+    assert text.startswith("<?xml")
+    for label in ("true speed / set-point", "motor voltage (V)", "time (s)", "difference"):
+        assert f"<!-- {label} -->" in text
 
 
 def test_a_constant_timing_is_the_constant_delay() -> None:

@@ -6,13 +6,17 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
+import control
 import numpy as np
 import pytest
 
 from ravenbrick.control import Design
+from ravenbrick.control.design.responses import write_loop_results
 from ravenbrick.trace.design import read_design
 
 VEHICLE = Path(__file__).resolve().parents[3] / "examples" / "vehicle"
@@ -80,3 +84,30 @@ def test_the_responses_are_arrays_over_time(design: Design) -> None:
     for response in (design.continuous_response, design.sampled_response):
         assert response.time.shape == response.output.shape
         assert np.all(np.diff(response.time) > 0)
+
+
+def test_of_any_loop_the_settling_time_is_that_of_its_samples(tmp_path: Path) -> None:
+    """1 / (T s + 1) is within 2 % after T ln 50, to one sample; a double one with 1.6 overshoots
+    by exp(-pi z / sqrt(1 - z^2)), z = 0.8."""
+    lag, swing = control.ss(control.tf([1.0], [0.1, 1.0])), control.tf([1.0], [0.01, 0.16, 1.0])
+    write_loop_results(tmp_path / "d.json", "d", (lag, control.ss(swing)), {}, 2.0)
+    first, second = (
+        json.loads((tmp_path / "d.json").read_text())[k] for k in ("continuous", "sampled")
+    )
+    assert 0.0 <= first["settling_time"] - 0.1 * math.log(50) <= 0.004
+    assert second["overshoot"] == pytest.approx(math.exp(-math.pi * 0.8 / 0.6), abs=1e-4)
+
+
+def test_the_continuous_response_is_that_of_the_closed_loop(design: Design) -> None:
+    """As python-control computes it from the transfer functions."""
+    found = design.continuous_response
+    closed = design.loop.closed_loop(design.continuous.controller())
+    expected = control.step_response(closed, found.time).outputs
+    assert found.output == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_design_without_a_window_runs_with_the_plain_difference(design: Design) -> None:
+    """Its speeds are whole counts in one sample: multiples of 1 degree in 4 ms, in V."""
+    plain = replace(design, specification=replace(design.specification, window=None))
+    quanta = plain.encoder_response.measured / (1.0 / 0.004 / 116.0)
+    assert quanta == pytest.approx(np.round(quanta), abs=1e-6) and set(np.round(quanta)) >= {1.0}

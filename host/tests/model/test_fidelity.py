@@ -20,6 +20,7 @@ from ravenbrick.codegen import generate_ada, generate_c
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
     Block,
+    DeltaTransferFunction,
     Diagram,
     DiscreteIntegrator,
     DiscreteTransferFunction,
@@ -29,6 +30,7 @@ from ravenbrick.model import (
     Outport,
     ZeroPoleGain,
     fidelity,
+    linear_system,
     transfer_function_block,
 )
 
@@ -131,6 +133,18 @@ def test_an_unstable_controller_is_compared_while_it_grows() -> None:
     block = DiscreteTransferFunction("Fast", numerator=(0.0, 0.1), denominator=(1.0, -3.3))
     (row,) = fidelity(form_diagram([block], 0.01)).blocks
     assert row.worst < 1e-5 and row.run_s < 0.2
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_each_section_passes_a_constant_on_as_it_is(seed: int) -> None:
+    """So that no signal between sections is much larger than the input: C (I - A)^-1 B + D = 1."""
+    system = random_controller(np.random.default_rng(seed))
+    block = transfer_function_block("F", system, sample_time=0.01)
+    assert isinstance(block, DeltaTransferFunction)
+    for section in (one for one in block.sections if one.returned):
+        alone = linear_system(form_diagram([DeltaTransferFunction("F", sections=(section,))], 0.01))
+        settled = np.linalg.solve(np.eye(alone.nstates) - alone.A, alone.B)
+        assert alone.C @ settled + alone.D == pytest.approx(1.0, rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(8))

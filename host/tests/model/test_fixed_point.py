@@ -15,8 +15,11 @@ from ravenbrick.codegen import prove
 from ravenbrick.control import PlantInLoop, one_step_errors
 from ravenbrick.errors import DesignError
 from ravenbrick.model import (
+    Constant,
+    DataType,
     Diagram,
     DiscreteIntegrator,
+    DiscreteStateSpace,
     DiscreteTransferFunction,
     Execution,
     FixedFormat,
@@ -24,7 +27,9 @@ from ravenbrick.model import (
     Gain,
     Inport,
     Interval,
+    MinMax,
     Outport,
+    Parameter,
     Relay,
     Rounding,
     Sum,
@@ -34,6 +39,7 @@ from ravenbrick.model import (
 from ravenbrick.model.integer_ranges import integer_ranges
 from ravenbrick.model.number_format import finest_fraction
 from ravenbrick.model.program import Binary, Kind, Literal, Program, Read, Slot, Statement
+from ravenbrick.model.ranges import real_ranges
 
 
 @pytest.mark.parametrize(
@@ -78,6 +84,44 @@ def test_the_range_of_a_filter_is_its_peak_gain() -> None:
         assert size == pytest.approx(4.0 * factor, rel=1e-4)
 
 
+def offset_state_space(a: np.ndarray, b: np.ndarray, start: np.ndarray, offset: float) -> Program:
+    """x' = a x + b (In + offset), from `start`."""
+    wide = DataType.REAL64
+    diagram = Diagram("one", 0.01)
+    source, constant = (
+        diagram.add(Inport("In", wide)),
+        diagram.add(Constant("C", wide, value=offset)),
+    )
+    total = diagram.add(Sum("Total", wide))
+    first = tuple(float(place == 0) for place in range(len(b)))
+    rows = tuple(map(tuple, a)), tuple((value,) for value in b), (first,), ((0.0,),)
+    space = DiscreteStateSpace("X", wide, None, *rows, tuple(start))
+    diagram.connect(source, total)
+    diagram.connect(constant, total, 1)
+    diagram.connect_chain(total, diagram.add(space), diagram.add(Outport("Out", wide)))
+    return diagram.lower()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_worst_inputs_reach_the_range_of_a_state(seed: int) -> None:
+    """They have the signs of its impulse response, reversed, and so add up its sizes; what the
+    system does by itself, from its initial values and with an offset, comes to that."""
+    dice = np.random.default_rng(seed)
+    a, b, start = dice.normal(size=(3, 3)), dice.normal(size=3), dice.normal(size=3) * (seed % 3)
+    a *= dice.uniform(0.7, 0.93) / np.abs(np.linalg.eigvals(a)).max()
+    offset = float(seed % 2) * 2.0
+    ranges = real_ranges(offset_state_space(a, b, start, offset), {"In": Interval(-1.0, 1.0)})
+    alone, impulse, forced = [start], b, [np.zeros(3)]
+    for _ in range(400):
+        alone.append(a @ alone[-1] + b * offset)
+        forced.append(forced[-1] + np.abs(impulse))
+        impulse = a @ impulse
+    worst = (np.abs(alone) + forced).max(axis=0)
+    most = np.abs(alone).max(axis=0) + forced[-1]
+    sizes = np.array([ranges[Kind.STATE, f"X_DSTATE{place}"].size for place in (1, 2, 3)])
+    assert np.all(worst * (1 - 1e-9) <= sizes) and np.all(sizes <= most * (1 + 1e-4))
+
+
 def test_a_filter_in_fixed_point_follows_the_real_one() -> None:
     """Within a few LSB of the accumulator over 2000 random steps."""
     diagram = Diagram("one", 0.01)
@@ -108,6 +152,35 @@ def test_delays_keep_sixteen_bits() -> None:
     diagram.connect_chain(source, memory, diagram.add(Outport("Out")))
     fixed = to_fixed_point(diagram, FixedPointOptions({"In": 3.0}))
     assert fixed.format(Kind.STATE, "Memory_DSTATE") == FixedFormat(16, 13)
+
+
+def test_a_format_is_given_by_the_name_of_a_block_or_of_a_parameter() -> None:
+    """Of a state by its block's name, which is not its own; of a parameter not by its block's."""
+    diagram = Diagram("one", 0.01)
+    source, gain = (
+        diagram.add(Inport("In")),
+        diagram.add(Gain("K", gain=Parameter("slope", 0.3, "1", ""))),
+    )
+    memory = diagram.add(UnitDelay("Memory"))
+    diagram.connect_chain(source, gain, memory, diagram.add(Outport("Out")))
+    formats = {"Memory": FixedFormat(16, 7), "K": FixedFormat(32, 9), "slope": FixedFormat(16, 8)}
+    fixed = to_fixed_point(diagram, FixedPointOptions({"In": 3.0}, formats, tolerance=None))
+    assert fixed.format(Kind.STATE, "Memory_DSTATE") == FixedFormat(16, 7)
+    assert fixed.format(Kind.SIGNAL, "K") == FixedFormat(32, 9)
+    assert fixed.format(Kind.PARAMETER, "slope") == FixedFormat(16, 8)
+
+
+@pytest.mark.parametrize(("largest", "fraction"), [(3.0, 29), (7.0, 28)])
+def test_what_is_compared_is_as_fine_as_32_bits_hold(largest: float, fraction: int) -> None:
+    """The larger of a tenth of the input and a number: with one more bit it would not fit."""
+    with pytest.raises(DesignError, match="does not fit"):
+        FixedFormat(32, fraction + 1).raw(largest)
+    diagram = Diagram("one", 0.01)
+    weak, larger = diagram.add(Gain("Weak", gain=0.1)), diagram.add(MinMax("Larger"))
+    diagram.connect_chain(diagram.add(Inport("In")), weak, larger, diagram.add(Outport("Out")))
+    diagram.connect(diagram.add(Constant("Limit", value=largest)), larger, 1)
+    fixed = to_fixed_point(diagram, FixedPointOptions({"In": 1.0}, accumulator_bits=32))
+    assert fixed.format(Kind.SIGNAL, "Larger") == FixedFormat(32, fraction)
 
 
 def test_a_huge_gain_is_refused_by_name() -> None:

@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 
 from ravenbrick.cli.app import app
 from ravenbrick.errors import ExitCode
+from ravenbrick.schedule.model import Task, TaskSet
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.report.gantt import gantt_figure
 from ravenbrick.schedule.simulation import simulate
@@ -98,6 +99,8 @@ def test_the_picture_shows_both_schedules_and_who_misses(tmp_path: Path) -> None
     assert titles[1] == "earliest deadline first: no deadline is missed"
     short = gantt_figure(read_task_file(path).task_set, "ms", exact(12))
     assert short.axes[1].get_xlim()[1] < 13
+    idle = gantt_figure(TaskSet((Task("short", 50, 1),)), "ms", exact(40))
+    assert [axis.get_xlim() for axis in idle.axes] == [pytest.approx((-0.4, 40.4))] * 2
 
 
 def test_the_picture_of_a_set_with_jitter_shows_who_misses(tmp_path: Path) -> None:

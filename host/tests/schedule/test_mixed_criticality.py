@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 from verification.support.timing.unit_steps import Request, with_modes
 
 from ravenbrick.schedule import Task, TaskSet, TaskSetError, is_schedulable
+from ravenbrick.schedule.model import Overheads
 from ravenbrick.schedule.task_models.mixed_criticality import Method, mixed_criticality_bounds
 
 
@@ -101,6 +103,31 @@ def test_no_run_in_unit_steps_exceeds_a_bound(method: Method) -> None:
                 reached += worst[found.task.name] == found.high
                 total += 1
     assert total > 80 and reached > 0.95 * total, (reached, total)
+
+
+@pytest.mark.parametrize("method", ["amc_rtb", "amc_max"])
+def test_switches_count_as_if_each_job_executed_longer(method: Method) -> None:
+    """In both modes (Burns, Tindell, Wellings 1995): 1/4 in and 1/2 out of every job."""
+    high = 0
+    for seed in range(60):
+        task_set = random_mixed_set(seed)
+        longer = TaskSet(
+            tuple(
+                replace(
+                    task,
+                    wcet=task.wcet + Fraction(3, 4),
+                    wcet_high=None if task.wcet_high is None else task.wcet_high + Fraction(3, 4),
+                )
+                for task in task_set
+            )
+        )
+        costs = Overheads(switch_in=Fraction(1, 4), switch_out=Fraction(1, 2))
+        charged = mixed_criticality_bounds(task_set, costs, method)
+        expected = mixed_criticality_bounds(longer, method=method)
+        times = [(found.low, found.high) for found in charged]
+        assert times == [(found.low, found.high) for found in expected]
+        high += sum(found.high is not None for found in charged)
+    assert high > 20, high
 
 
 @pytest.mark.parametrize("seed", range(100))

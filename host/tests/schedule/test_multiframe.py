@@ -169,6 +169,15 @@ def test_scaling_of_multiframe_tasks_is_the_largest_that_stays_schedulable(seed:
     assert not is_schedulable(scaled(factor * (1 + type(factor)(1) / 10**6)))
 
 
+def test_a_task_of_frames_is_as_demanding_as_the_worst_of_them_together() -> None:
+    """Whoever knows of no frames sees the longest execution, least separation, nearest deadline."""
+    frames = (Frame(4, 20, 18), Frame(1, 10, 9), Frame(2, 30, 40))
+    task = Task("a", 99, 1, frames=frames)
+    assert (task.wcet, task.period, task.deadline) == (4, 10, 9)
+    (plain,) = TaskSet((task,)).without_frames()
+    assert plain == Task("a", 10, 4, deadline=9)
+
+
 def test_frames_do_not_go_with_limits_or_times_that_mean_nothing() -> None:
     with pytest.raises(TaskSetError, match="does not go with 'limits'"):
         Task("a", 3, 1, frames=equal_frames(1, 2, period=3), limits=((1, 2),))

@@ -17,7 +17,7 @@ from ravenbrick.schedule.bounds import (
     passes_hyperbolic_bound,
     passes_liu_layland_bound,
 )
-from ravenbrick.schedule.model import CriticalSection, Overheads, Task, TaskSet
+from ravenbrick.schedule.model import CriticalSection, Frame, Overheads, Task, TaskSet
 from ravenbrick.schedule.offsets import phased_response_time_bounds
 from ravenbrick.schedule.response_time import (
     ResponseTimeBound,
@@ -74,6 +74,34 @@ def test_liu_and_layland_bounds_have_the_published_digits() -> None:
     """n (2^(1/n) - 1) for n = 1, 2, 3, 4, 5, 10 and its limit."""
     published = {1: 1.000, 2: 0.828, 3: 0.780, 4: 0.757, 5: 0.743, 10: 0.718, 10**9: 0.693}
     assert {count: round(liu_layland_bound(count), 3) for count in published} == published
+
+
+@pytest.mark.parametrize(
+    "tasks",
+    [
+        (Task("a", 10, 4, 2), Task("b", 20, 4, 1, deadline=5)),
+        (Task("a", 10, 4, 2, release_jitter=7), Task("b", 20, 1, 1)),
+        (Task("a", 10, 4, 2, blocking=7), Task("b", 20, 1, 1)),
+        (
+            Task("a", 10, 4, 2, sections=(CriticalSection("x", 1),)),
+            Task("b", 40, 8, 1, sections=(CriticalSection("x", 8),)),
+        ),
+        (
+            Task("a", 1, 1, 2, frames=(Frame(8, 10, 10), Frame(1, 10, 10), Frame(1, 10, 10))),
+            Task("b", 10, 4, 1),
+        ),
+        (Task("a", 20, 4, 2), Task("b", 5, 2, 1)),
+    ],
+    ids=["deadline", "jitter", "blocking", "section", "frames", "order"],
+)
+def test_a_light_set_that_can_miss_a_deadline_passes_no_utilisation_bound(
+    tasks: tuple[Task, ...],
+) -> None:
+    """The bounds need independent tasks, D >= T, rate monotonic; here one condition fails."""
+    task_set = TaskSet(tasks)
+    assert float(task_set.utilization) < liu_layland_bound(2)
+    assert not is_schedulable(task_set)
+    assert not passes_liu_layland_bound(task_set) and not passes_hyperbolic_bound(task_set)
 
 
 def test_reversed_order_of_liu_and_layland_s_pair_allows_only_one_unit_each() -> None:
@@ -144,6 +172,14 @@ def test_non_preemptive_analysis_examines_the_second_job() -> None:
     assert [each.bound for each in found] == [2, 3, Fraction(7, 2)]
     assert found[2].jobs[0] == 3
     assert all(each.terms is not None and each.terms.total == each.bound for each in found)
+
+
+def test_non_preemptive_analysis_of_a_full_processor_examines_one_repetition() -> None:
+    """By hand: a and b need all of it, H = 12. After 1 of c, b starts at 3 and, its second job, at
+    10: responses 6 and 7. The next repetition is like the first (Lehoczky 1990)."""
+    found = non_preemptive_bounds(TaskSet.of((2, 4), (3, 6), (1, 100)))
+    assert [each.bound for each in found] == [5, 7, None]
+    assert (found[1].jobs, found[1].busy_period) == ((6, 7), None)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import pytest
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.schedule.assignment import Rule
-from ravenbrick.schedule.model import CriticalSection, Overheads, Task, TaskSet, TaskSetError
+from ravenbrick.schedule.model import CriticalSection, Frame, Overheads, Task, TaskSet, TaskSetError
 from ravenbrick.schedule.report import advice, analysis
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.task_file import read_task_file
@@ -213,6 +213,24 @@ def test_interrupts_stay_above_tasks_whatever_the_rule(tmp_path: Path) -> None:
         assert [task.name for task in found.by_priority()] == ["link", "fast", "slow"]
         assert found.task("link").limits == ((Fraction(1, 2), 20, 0),)
     assert read_task_file(path).task_set.by_priority()[1].name == "slow"
+
+
+FRAMES = """schema_version = 1
+[[tasks]]
+name = "telemetry"
+frames = [{ wcet = 4, separation = 20, deadline = 10 }, { wcet = 1, separation = 10 }]
+priority = 1
+"""
+
+
+def test_frames_that_all_say_their_separation_need_no_period(tmp_path: Path) -> None:
+    """The least separation is the period, and the deadline of a frame that has none of its own."""
+    (task,) = read_task_file(written(tmp_path, FRAMES)).task_set
+    assert task.frames == (Frame(4, 20, 10), Frame(1, 10, 10))
+    assert (task.period, task.wcet, task.deadline) == (10, 4, 10)
+    path = written(tmp_path, FRAMES.replace("wcet = 1, separation = 10", "wcet = 1"))
+    with pytest.raises(ProjectFileError, match=r"tasks\[0\]\.period: is missing"):
+        read_task_file(path)
 
 
 MODELS = """schema_version = 1

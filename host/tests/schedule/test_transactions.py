@@ -8,6 +8,7 @@ import itertools
 import random
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 from verification.support.timing.unit_steps import chain_ends
@@ -124,6 +125,20 @@ def test_deadlines_assigned_beside_every_order_of_priorities() -> None:
             found[rule] += assigned.schedulable
     assert found["hopa"] >= found["proportional"]
     assert found["hopa"] >= 0.9 * found["any"] > 0, found
+
+
+def test_hopa_finds_an_order_that_proportional_deadlines_miss() -> None:
+    """ "second" gets 19/5 of 19 for its 1 of 5, less than the 4 within which both others have to
+    end, and so comes first. All feasible orders begin with these two."""
+    chain = Transaction("chain", ("first", "second"), 19)
+    steps = (Task("first", 20, 4, bcet=3), Task("second", 20, 1, release="sporadic"))
+    others = (Task("long", 15, 3, deadline=4), Task("short", 5, 1, deadline=4))
+    task_set = TaskSet((*steps, *others))
+    orders = list(feasible_orders(task_set, [chain]))
+    assert orders and all({*order[:2]} == {"long", "short"} for order in orders)
+    proportional, hopa = (assign_deadlines(task_set, [chain], rule) for rule in RULES)
+    assert not proportional.schedulable and proportional.deadlines["second"] == Fraction(19, 5)
+    assert hopa.schedulable and met(hopa, [chain])
 
 
 def met(assigned: Assigned, chains: list[Transaction]) -> bool:

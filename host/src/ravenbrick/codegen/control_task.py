@@ -33,12 +33,6 @@ OUTPUT_FORMS = {
 TASK_PRIORITY = 2
 TASK_STACK_BYTES = 2048
 _FORMAT = re.compile(r"\b[su]fix\d+_En(-?\d+)\b")
-_LIMITS = {
-    f"{'u' * unsigned}int{bits}_T": (
-        (0.0, 2.0**bits - 1) if unsigned else (-(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1)
-    )
-    for bits in (8, 16, 32) for unsigned in (False, True)
-}  # fmt: skip
 _MOTOR = re.compile(r"motor\.([ABC])\.(\w+)\Z")
 _SENSOR = re.compile(r"(touch|light|gyro)\.([1-4])\Z")
 
@@ -74,9 +68,9 @@ def control_task(
     for each inport what it reads (`INPUT_FORMS`), `outputs` for each outport what it drives
     (`OUTPUT_FORMS`); a port that is not named is a number 0.0, or only recorded. A speed is the
     difference of the angle over `speed_window` samples. Each port is also a variable
-    `controller_<port>` of the image. A port in fixed point is scaled, and an input saturates.
-    Raises `DesignError` for a port or device that is not known, and for a period that is no whole
-    number of microseconds.
+    `controller_<port>` of the image. A port in fixed point is scaled, and an input of whole numbers
+    saturates. Raises `DesignError` for a port or device that is not known, and for a period that is
+    no whole number of microseconds.
     """
     model = read_header(header, "functional.h")
     period_us = round(sample_time * 1e6)
@@ -152,11 +146,18 @@ def _converted(body: _Body, ports: Interface, one: CField, value: str) -> str:
         return f"{kind} ({value})"
     body.units.add("Interfaces")
     scale = _per_unit(one)
-    if scale == 1.0:
-        return f"{kind} (Float'Rounding ({value}))"
-    least, most = _LIMITS[one.c_type]
-    inside = f"Float'Max ({least / scale!r}, Float'Min ({most / scale!r}, {value}))"
-    return f"{kind} (Float'Rounding ({inside} * {scale!r}))"
+    least, most = (limit / scale for limit in _limits(kind))
+    inside = f"Float'Max ({least!r}, Float'Min ({most!r}, {value}))"
+    counts = inside if scale == 1.0 else f"{inside} * {scale!r}"
+    return f"{kind} (Float'Rounding ({counts}))"
+
+
+def _limits(kind: str) -> tuple[float, float]:
+    """Of an integer type, as far as single precision has them: `Interfaces.Integer_16`."""
+    sign, bits = kind.removeprefix("Interfaces.").split("_")
+    own = int(bits) - (sign == "Integer")
+    least = -(2.0**own) if sign == "Integer" else 0.0
+    return least, 2.0**own - 2.0 ** max(own - 24, 0)
 
 
 def _per_unit(one: CField) -> float:

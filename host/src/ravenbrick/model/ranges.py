@@ -14,7 +14,7 @@ from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import DiagramError
 from ravenbrick.model.flattening import flattened, samples, with_shifts
 from ravenbrick.model.lazy import csgraph
-from ravenbrick.model.linearisation import linearise
+from ravenbrick.model.linearisation import linear_system
 from ravenbrick.model.number_format import Interval
 
 __all__ = ["Key", "key", "narrowed", "real_ranges"]
@@ -188,9 +188,10 @@ def narrowed(
 def _use_peak_gains(
     program: ir.Program, ranges: dict[Key, Interval], free: list[ir.Slot], growing: list[ir.Slot]
 ) -> None:
-    """Bound the free states by the peak gains of the linear program."""
+    """Bound the free states by the peak gains of the linear program, besides what it does without
+    inputs: from its initial values, driven by its constants."""
     try:
-        system = linearise(program)
+        system = linear_system(program, constants=True)
     except DiagramError as error:
         raise _unbounded(_first_growing(program, growing)) from error
     states = with_shifts(program).states
@@ -199,23 +200,26 @@ def _use_peak_gains(
     rows = [index[key(slot)] for slot in single]
     matrix = system.A[np.ix_(rows, rows)]
     held = [place for place in range(len(states)) if place not in rows]
-    drive = np.hstack([system.B[rows], system.A[np.ix_(rows, held)]])
+    drive = np.hstack([system.B[rows, :-1], system.A[np.ix_(rows, held)]])
     known = {key(one): ranges[key(slot)] for slot in program.states for one in samples(slot)}
     sizes = np.array(
         [ranges[key(slot)].size for slot in program.inputs]
         + [known[key(states[place])].size for place in held]
     )
-    start = np.abs([slot.initial for slot in single])
-    bound, step = start.copy(), np.eye(len(rows))
+    alone = np.array([slot.initial for slot in single])
+    bound, swing, step = np.zeros(len(rows)), np.abs(alone), np.eye(len(rows))
     for _ in range(_MOST_STEPS):
         bound = bound + np.abs(step @ drive) @ sizes
         step = matrix @ step
-        left = np.abs(step).sum()
-        if left < _REMAINDER:
+        alone = matrix @ alone + system.B[rows, -1]
+        swing = np.maximum(swing, np.abs(alone))
+        if np.abs(step).sum() < _REMAINDER:
             break
     else:
         raise _unbounded([single[row] for row in _not_decaying(matrix)])
-    found = dict(zip(map(key, single), bound * (1 + 2 * left) + start, strict=True))
+    # Whatever comes later is at most this share of the whole, of `swing` twice.
+    whole = np.linalg.solve(np.eye(len(rows)) - 2 * np.abs(step), bound + swing)
+    found = dict(zip(map(key, single), whole, strict=True))
     for slot in free:
         size = max(float(found[key(one)]) for one in samples(slot))
         ranges[key(slot)] = Interval.around_zero(size)

@@ -178,8 +178,6 @@ class _History:
         if then < 0 or not self._times:
             return self.block.initial
         place = bisect_right(self._times, then)
-        if place == 0:
-            return self._values[0]
         if place == len(self._times):
             return self._values[-1]
         low, high = place - 1, place + 1
