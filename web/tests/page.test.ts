@@ -71,6 +71,10 @@ describe("the source", () => {
     sent.length = 0;
     await app.begin("", late as unknown as typeof fetch);
     expect(sent.map(({ kind }) => kind)).toEqual(["load"]);
+    // Those of the page before are gone.
+    app.receive(READY);
+    app.receive({ ...FRAME, place });
+    expect(text()).toContain("is not in the project");
   });
 
   it("is shown around the line where the program is paused", () => {
@@ -151,6 +155,9 @@ describe("a frame", () => {
     app.receive(FRAME);
     const hubs = [...document.querySelectorAll(".hub")].map((hub) => hub.getAttribute("transform"));
     expect(hubs[1]).toBe("rotate(-180)");
+    const spokes = [...document.querySelectorAll(".hub:first-of-type line")].slice(0, 6);
+    const angles = spokes.map((spoke) => spoke.getAttribute("transform"));
+    expect(angles).toEqual([0, 1, 2, 3, 4, 5].map((sixth) => `rotate(${60 * sixth})`));
     expect(get('[data-figure="B.speed"]').textContent).toBe("115 °/s");
     expect(get("#time").textContent).toBe("1.000000 s, cycle 48054858");
     expect(get("#place").textContent).toBe("00202000 adainit (vehicle.adb:12)");
@@ -182,6 +189,7 @@ describe("the scope", () => {
       "symbol:vehicle_control_left",
       "pin:17",
     ]);
+    expect(sent.at(-1)).toMatchObject({ kind: "scope", period_ms: 1 });
     app.receive({ kind: "failure", of: "scope", message: "no such symbol" });
     expect(app.scopeView.channels).not.toContain("pin:17");
     expect(app.scopeView.channels).toContain("symbol:vehicle_control_left");
