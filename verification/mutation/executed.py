@@ -4,7 +4,8 @@
 
 Each file of tests runs once by itself, unchanged, under coverage.py, its Python children too. What
 one test prepares serves others of its file: fixtures, caches, modules. So of a mutant all tests run
-of the files that execute it, first those that execute it themselves.
+of the files that execute it, first those that execute it themselves. What a process executes where nothing is recorded
+counts as executed by the tests that start it.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import shlex
 import subprocess
 from bisect import bisect
 from dataclasses import asdict, dataclass, field
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -87,6 +89,8 @@ class Executed:
         self.read = [path for folder in READ for path in room.files(scratch.tree, folder)]
         tests = room.files(scratch.tree, room.tests)
         self.files = [self._file(path) for path in tests if path.name.startswith("test_")]
+        for starter, line, module in room.apart:
+            self._count_apart(f"{room.sources}/{starter}", line, module)
 
     def _file(self, path: Path) -> File:
         """Raises `NoResultError` when a test fails."""
@@ -123,6 +127,32 @@ class Executed:
                 for line, names in found.contexts_by_lineno(source).items():
                     lines[str(line)] = sorted({*lines.get(str(line), ()), *names})
         return file
+
+    def _count_apart(self, starter: str, text: str, module: str) -> None:
+        """Count each line that a process may execute as executed by the tests that start it."""
+        source = (self.scratch.tree / starter).read_text("utf-8")
+        starts = statement_lines(source, source[: source.index(text)].count("\n") + 1)
+        loaded = self._loaded_by(module)
+        for file in self.files:
+            lines = file.lines.get(starter, {})
+            names = [lines[str(line)] for line in starts if str(line) in lines]
+            for name, count in loaded.items() if names else ():
+                lines = file.lines.setdefault(name, {})
+                for line in map(str, range(1, count + 1)):
+                    lines[line] = sorted({*lines.get(line, ()), *chain(*names)})
+
+    def _loaded_by(self, module: str) -> dict[str, int]:
+        """The room's sources that a module loads, with the number of their lines."""
+        files = "*(vars(m).get('__file__') for m in list(sys.modules.values()))"
+        program = f"import sys, {module}; print({files}, sep='\\n')"
+        loads, _ = self.scratch.run(f'{PYTHON} -c "{program}"', self.limit_s)
+        places = set(self.scratch.log.read_text().splitlines())
+        sources = self.room.files(self.scratch.tree, self.room.sources)
+        found = [path for path in sources if str(path) in places]
+        if not (loads and found):
+            raise NoResultError(f"{self.room.name}, nothing changed: '{module}' is not loaded")
+        tree = self.scratch.tree
+        return {str(p.relative_to(tree)): len(p.read_text("utf-8").splitlines()) for p in found}
 
     def tests(self, mutant: Mutant, source: str) -> list[str]:
         """Those that can notice a mutant of this source, most promising first.

@@ -31,6 +31,13 @@ VITEST = "cd web && node_modules/.bin/vitest run --bail=1 --configLoader runner"
 WORD = re.compile(r"[A-Z]?[a-z]{2,}|[A-Z]{2,}(?![a-z])")
 # What a mutant changes is compiled anew, whatever the clock says.
 COMPILE = ".venv/bin/python -m compileall -q --invalidation-mode checked-hash"
+# What runs in the grader's sandbox, where nothing records lines, and a line that starts it.
+APART = {
+    "grading": (
+        ("work.py", '"ravenbrick.grading.judge"', "ravenbrick.grading.judge"),
+        ("isolation/landlock.py", "str(CONFINEMENT)", "ravenbrick.grading.isolation.confinement"),
+    )
+}
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,8 @@ class Room:
     test_files: str = ""  # a command that takes files of tests as arguments
     one_build: bool = False  # of a crate that serves many mutants
     executed: bool = False  # of Python, built once: only tests that execute a mutant run
+    # Of each process that is not recorded: the file that starts it, text of that line, its module.
+    apart: tuple[tuple[str, str, str], ...] = ()
 
     def files(self, tree: Path, folder: str) -> list[Path]:
         """Every file below one of its folders, in a fixed order, but none that Python compiled."""
@@ -129,7 +138,8 @@ def _host(name: str) -> Room:
     folder = f"host/src/ravenbrick/{name}"
     tests = f"host/tests/{name}"
     build = f"{COMPILE} host/src verification/support"
-    return Room(name, folder, tests, build, f"{PYTEST} {tests}", executed=True)
+    test = f"{PYTEST} {tests}"
+    return Room(name, folder, tests, build, test, executed=True, apart=APART.get(name, ()))
 
 
 ROOMS = {

@@ -7,6 +7,7 @@ import os
 import shlex
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -160,6 +161,55 @@ def test_of_a_mutant_the_tests_run_that_can_notice_it(
         assert judge.outcome(mutants[f"src/a.py: {change}"]) == outcome, change
     assert (copy.tree / "src" / "a.py").read_text() == SOURCE
     assert sum("coverage run" in command for command in copy.commands) == 2
+
+
+START_APART = """import subprocess, sys
+
+
+def start(module):
+    clean = {"PATH": "/usr/bin"}
+    program = f"import sys; sys.path.insert(0, 'src'); import {module}; {module}.run()"
+    subprocess.run([sys.executable, "-I", "-c", program], check=True, env=clean)
+"""
+APART = """import apart_too
+
+
+def run():
+    assert apart_too.LIMIT == 7
+"""
+TEST_APART = """import starts
+
+
+def test_other():
+    pass
+
+
+def test_start():
+    starts.start("apart")
+"""
+
+
+def test_what_runs_apart_is_judged_by_the_tests_that_start_it(room: tuple[Room, Copy]) -> None:
+    """The module of the process and what it imports, where no line is recorded."""
+    made, copy = room
+    given: Any = copy
+    files = {"starts": START_APART, "apart": APART, "apart_too": "LIMIT = 7\n"}
+    for name, text in files.items():
+        (copy.tree / "src" / f"{name}.py").write_text(text)
+    (copy.tree / "tests" / "test_apart.py").write_text(TEST_APART)
+    sandboxed = replace(made, apart=(("starts.py", "subprocess.run(", "apart"),))
+    recorded, unchanged = Executed(made, given, 60), Executed(sandboxed, given, 60)
+    judge = PythonJudge(sandboxed, given)
+    for mutant in made.mutants(copy.tree):
+        source = files.get(Path(mutant.file).stem, "")
+        if "7" in source:
+            tests = unchanged.tests(mutant, source)
+            assert tests == [f"tests/test_apart.py::test_{name}" for name in ("start", "other")]
+            assert recorded.tests(mutant, source) == []
+            assert judge.outcome(mutant) == "killed"
+    unknown = replace(made, apart=(("starts.py", "subprocess.run(", "nowhere"),))
+    with pytest.raises(NoResultError, match="'nowhere' is not loaded"):
+        Executed(unknown, given, 60)
 
 
 def test_files_of_tests_must_pass_unchanged(room: tuple[Room, Copy]) -> None:

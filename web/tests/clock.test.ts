@@ -1,7 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from "vitest";
-import { cyclesOfMs, msAtOrAfter } from "../src/clock";
+import { CLOCK_HZ, cyclesOfMs, msAtOrAfter } from "../src/clock";
+
+it("has a second of the crystal of 18.432 MHz times 73 by 14, halved", () => {
+  expect(CLOCK_HZ).toBeCloseTo((18_432_000 * 73) / 14 / 2, 6);
+});
 
 describe("milliseconds", () => {
   it("are rounded up to whole cycles, as on the host", () => {

@@ -99,6 +99,11 @@ describe("the keyboard", () => {
     ]);
   });
 
+  it("reaches what can be reached in the order of the page", () => {
+    const places = [...document.querySelectorAll<HTMLElement>("[tabindex]")];
+    expect(Math.max(...places.map((place) => place.tabIndex))).toBe(0);
+  });
+
   it("has its keys listed on the page", () => {
     const listed = [...document.querySelectorAll("#keys kbd")].map((key) => key.textContent);
     for (const key of ["Space", ".", ",", "j", "r", "a", "d", "s", "t", "Enter", "Esc"]) {
@@ -155,8 +160,12 @@ describe("the joystick", () => {
     range.dispatchEvent(new Event("input"));
     press("d");
     press("s");
+    expect([range.min, range.max]).toEqual(["-90", "90"]);
+    range.value = "30";
+    range.dispatchEvent(new Event("input"));
+    [...document.querySelectorAll("#joystick button")].forEach((b) => (b as HTMLElement).click());
     const angles = inputs().map(([, value]) => ((value as number) * 180) / Math.PI);
-    expect(angles.map(Math.round)).toEqual([45, 40, 0]);
+    expect(angles.map(Math.round)).toEqual([45, 40, 0, 30, 0]);
   });
 });
 
@@ -199,6 +208,10 @@ describe("the surroundings", () => {
       slider.value = value;
       slider.dispatchEvent(new Event("input"));
     }
+    const shown = get('[data-input="fault.coprocessor_checksum"] + output').textContent;
+    expect(shown?.trim()).toBe("3");
+    const load = get<HTMLInputElement>('[data-input="motor.B.load_torque"]');
+    expect(Number(load.max)).toBe(-Number(load.min));
     get('[data-input="fault.twi_stuck"]').click();
     expect(inputs().map(([name]) => name)).toEqual([
       "battery.voltage",

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // @vitest-environment jsdom
 /** What the page shows, loads and saves. */
+import { Blob } from "node:buffer";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { encodeRun } from "../src/run_file";
 import { app, FRAME, get, READY, sent } from "./page";
+// After the page of the tests, which draws no plots.
+import { App } from "../src/app";
 
 describe("an error", () => {
   const problem = () => get("#problem").textContent;
@@ -71,6 +74,40 @@ describe("the source", () => {
     sent.length = 0;
     await app.begin("", late as unknown as typeof fetch);
     expect(sent.map(({ kind }) => kind)).toEqual(["load"]);
+    // Those of the page before are gone.
+    app.receive(READY);
+    app.receive({ ...FRAME, place });
+    expect(text()).toContain("is not in the project");
+  });
+
+  it("comes when a brick that begins by itself is under way", async () => {
+    const asked: string[] = [];
+    const noting = (address: string) => (asked.push(address), fetched(address));
+    const own = new App(get("#page"), { send: () => undefined });
+    own.show();
+    await own.begin("", noting as unknown as typeof fetch);
+    own.receive(READY);
+    own.receive({ ...FRAME, cycles: 0 });
+    await new Promise((done) => setTimeout(done));
+    expect(asked).not.toContain("./sources.json");
+    own.receive(FRAME);
+    await vi.waitFor(() => expect(asked).toContain("./sources.json"), { timeout: 100_000 });
+  });
+
+  it("and the rest beside the page make a link of a run short", async () => {
+    vi.stubGlobal("Blob", Blob);
+    const run = { ...READY.session, until_ms: 1, until_cycles: 48_055, digest: "ab" };
+    const linked = async (elf: Uint8Array) => {
+      app.load(READY.session, elf);
+      get("#save-link").click();
+      app.receive({ kind: "saved", run, elf });
+      await vi.waitFor(() => expect(get("#status").textContent).toContain("copied"));
+      return location.hash.split("=")[0];
+    };
+    expect(await linked(ELF)).toBe("#replay");
+    app.receive(READY);
+    expect(await linked(new Uint8Array([3]))).toBe("#run");
+    vi.unstubAllGlobals();
   });
 
   it("is shown around the line where the program is paused", () => {
@@ -151,6 +188,9 @@ describe("a frame", () => {
     app.receive(FRAME);
     const hubs = [...document.querySelectorAll(".hub")].map((hub) => hub.getAttribute("transform"));
     expect(hubs[1]).toBe("rotate(-180)");
+    const spokes = [...document.querySelectorAll(".hub:first-of-type line")].slice(0, 6);
+    const angles = spokes.map((spoke) => spoke.getAttribute("transform"));
+    expect(angles).toEqual([0, 1, 2, 3, 4, 5].map((sixth) => `rotate(${60 * sixth})`));
     expect(get('[data-figure="B.speed"]').textContent).toBe("115 °/s");
     expect(get("#time").textContent).toBe("1.000000 s, cycle 48054858");
     expect(get("#place").textContent).toBe("00202000 adainit (vehicle.adb:12)");
@@ -182,6 +222,7 @@ describe("the scope", () => {
       "symbol:vehicle_control_left",
       "pin:17",
     ]);
+    expect(sent.at(-1)).toMatchObject({ kind: "scope", period_ms: 1 });
     app.receive({ kind: "failure", of: "scope", message: "no such symbol" });
     expect(app.scopeView.channels).not.toContain("pin:17");
     expect(app.scopeView.channels).toContain("symbol:vehicle_control_left");

@@ -49,6 +49,10 @@ class CountingCore {
     if (path === "missing") throw new Error("no variable");
     return 1;
   }
+  step(): string {
+    this.now += 1;
+    return JSON.stringify({ reason: "reached", at_cycles: this.now, message: "" });
+  }
   free = () => undefined;
 }
 
@@ -122,6 +126,45 @@ describe("a run that begins by itself", () => {
     const { simulation, core } = turningFrom(60_000);
     simulation.runToMotion();
     expect(core.now).toBeLessThan(cyclesOfMs(5010));
+  });
+});
+
+describe("a frame", () => {
+  it("has the picture when it changed", () => {
+    const { simulation, core } = begin();
+    core.lcd = () => Uint8Array.of(0, 1);
+    expect(simulation.frame(0).lcd).toEqual(Uint8Array.of(0, 1));
+    expect(simulation.frame(16).lcd).toBeNull();
+    core.lcd = () => Uint8Array.of(0, 0);
+    expect(simulation.frame(32).lcd).toEqual(Uint8Array.of(0, 0));
+  });
+
+  it("has the sound from the first sample on, each once", () => {
+    const { simulation, core } = begin();
+    const from: number[] = [];
+    core.sound = ((begin: number) => (from.push(begin), new Int16Array(9).fill(1))) as never;
+    simulation.runTo(3500);
+    expect(simulation.frame(0).sound.length).toBe(3);
+    simulation.runTo(5000);
+    expect(simulation.frame(16).sound.length).toBe(2);
+    expect(from).toEqual([0, 3000]);
+  });
+
+  it("has the ratio of virtual to real time over the last half second", () => {
+    const { simulation } = begin();
+    simulation.running = true;
+    expect(simulation.frame(0).realTimeRatio).toBe(0);
+    simulation.runTo(cyclesOfMs(600));
+    expect(simulation.frame(600).realTimeRatio).toBeCloseTo(1, 6);
+    simulation.runTo(cyclesOfMs(900));
+    expect(simulation.frame(1200).realTimeRatio).toBeCloseTo(0.5, 6);
+  });
+
+  it("of a step is that of a brick that stands", () => {
+    const { simulation } = begin();
+    simulation.running = true;
+    simulation.step("line", -1);
+    expect([simulation.running, simulation.frame(0).running]).toEqual([false, false]);
   });
 });
 

@@ -104,6 +104,15 @@ describe("a prediction", () => {
     expect(get("#prediction .answer").textContent).toContain("Difference: 2.00 %");
   });
 
+  it("that is fixed after a reset waits for the measures of the new run", () => {
+    app.receive({ ...READY, session: SESSION });
+    app.receive(MEASURED);
+    app.receive({ ...READY, session: SESSION });
+    get<HTMLInputElement>("#prediction input").value = "3";
+    get<HTMLFormElement>("#prediction form").requestSubmit();
+    expect(get("#prediction .answer").textContent).toBe("Now run the brick.");
+  });
+
   it("as a sketch is compared where both curves are", () => {
     const line: [number, number][] = [
       [0, 0],
@@ -134,6 +143,11 @@ describe("a chart", () => {
     const line = chart.element.querySelector("polyline");
     // 576 by 244 from (56, 26) on; a value above the axis is at its end.
     expect(line?.getAttribute("points")).toBe("56.0,270.0 344.0,148.0 632.0,26.0");
+    // Lines along the axis end with it, and so does the name of its unit.
+    const ends = [...chart.element.querySelectorAll("line.grid")].map((l) => l.getAttribute("x2"));
+    expect(Math.max(...ends.map(Number))).toBe(632);
+    const [unit] = [...chart.element.querySelectorAll("text")].filter((t) => t.textContent === "s");
+    expect(unit?.getAttribute("x")).toBe("632");
     expect(chart.at({ clientX: 344, clientY: 148 })).toEqual([0.5, 5]);
     expect(chart.at({ clientX: 0, clientY: 300 })).toEqual([0, 0]);
   });
@@ -150,6 +164,11 @@ describe("a sketch", () => {
       fields.forEach((field, at) => (field.value = String(point[at])));
       sketch.element.querySelector("form")?.dispatchEvent(new Event("submit"));
     };
+    const limits = [...fields].map(({ min, max }) => [Number(min), Number(max)]);
+    expect(limits).toEqual([
+      [0, 1],
+      [0, 10],
+    ]);
     const points = () => [...sketch.element.querySelectorAll("li")].map((li) => li.textContent);
     const press = (name: string) =>
       [...sketch.element.querySelectorAll("button")].find((b) => b.textContent === name)?.click();

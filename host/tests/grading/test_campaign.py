@@ -19,10 +19,12 @@ from typing import Any
 import pytest
 from verification.support.submissions import RUBRIC, SOURCES, write_submission
 
-from ravenbrick.grading import campaign, work
+from ravenbrick.errors import UsageError
+from ravenbrick.grading import build, campaign, work
 from ravenbrick.grading.draws import Pulses, hidden_seeds
 from ravenbrick.grading.isolation import TRUST
 from ravenbrick.grading.rubric import read_rubric
+from ravenbrick.grading.sandbox import Outcome
 from ravenbrick.grading.submission import SubmissionError, find_submissions, read_files
 
 BORDER = TRUST if os.environ.get("RAVENBRICK_TRUST_SUBMISSIONS") else None
@@ -118,6 +120,18 @@ def test_a_grader_that_fails_on_one_marks_the_others(
     good, odd = grade(tmp_path / "students", tmp_path / "out")
     assert good["points"] == good["of"] and "ZeroDivisionError" in odd["defect"]
     assert not (tmp_path / "out" / "results" / "lab-01" / "odd.json").exists()
+
+
+def test_a_reference_project_that_does_not_build_is_no_student_s_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The campaign ends before a submission gets a mark."""
+    write_submission(tmp_path / "students" / "good")
+    failed = Outcome(1, "robot.gpr:3:1: wrong", b"")
+    monkeypatch.setattr(build, "run_isolated", lambda *_words, **_options: failed)
+    with pytest.raises(UsageError, match=r"examples/blank does not build: robot\.gpr:3:1: wrong"):
+        grade(tmp_path / "students", tmp_path / "out")
+    assert not list((tmp_path / "out").rglob("*.json"))
 
 
 def test_run_design_is_another_result_than_without(tmp_path: Path) -> None:

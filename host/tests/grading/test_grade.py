@@ -107,10 +107,11 @@ def test_the_report_names_the_isolation(graded: dict[str, Any]) -> None:
 
 
 def test_an_archive_cannot_write_outside(tmp_path: Path) -> None:
-    """Only the last folder and the file name of a member count."""
+    """Only the last folder and the file name of a member count; none has a blank in it."""
     with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
         archive.writestr("../../src/tasks.adb", "package body Tasks is end Tasks;")
         archive.writestr("work/src/main.adb", "procedure Main is begin null; end Main;")
+        archive.writestr("work/src/my tasks.adb", "package body Tasks is end Tasks;")
         archive.writestr("work/Makefile", "all:; rm -rf /")
     sources = read_files(Submission("x", tmp_path / "x.zip"), ("src",))
     assert sorted(sources) == ["src/main.adb", "src/tasks.adb"]

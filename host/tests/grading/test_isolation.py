@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from ravenbrick.grading.isolation import (
     Bounds,
     Isolation,
     IsolationError,
+    confinement,
     find_isolation,
     isolation_named,
     landlock,
@@ -208,6 +210,23 @@ def test_without_a_border_grading_needs_to_be_told(
             find_isolation()
     finally:
         find_isolation.cache_clear()
+
+
+HEADER = Path("/usr/include/linux/landlock.h")
+
+
+@pytest.mark.skipif(not HEADER.is_file(), reason="the Debian package linux-libc-dev has the header")
+def test_the_rights_are_those_of_the_kernel_s_header() -> None:
+    """As many bits as it has rights that this kernel's first version knew; the rest is newer."""
+    found = re.findall(r"LANDLOCK_ACCESS_FS_(\w+)\s+\(1ULL << (\d+)\)", HEADER.read_text())
+    rights = {name: 1 << int(bit) for name, bit in found}
+    named = {n: getattr(confinement, n) for n in rights if hasattr(confinement, n)}
+    assert named == {name: rights[name] for name in named}
+    assert {"EXECUTE", "READ_FILE", "MAKE_CHAR", "MAKE_SOCK", "MAKE_BLOCK"} <= named.keys()
+    first = [
+        right for name, right in rights.items() if name not in ("REFER", "TRUNCATE", "IOCTL_DEV")
+    ]
+    assert sum(first) == confinement.FIRST_RIGHTS
 
 
 @pytest.mark.isolated

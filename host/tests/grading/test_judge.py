@@ -19,13 +19,13 @@ from ravenbrick.grading import judge
 from ravenbrick.grading.rubric import Check, Rubric, read_rubric
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import read_scenario
-from ravenbrick.trace.recording import Picture, Recording, Stop
+from ravenbrick.trace.recording import Picture, Recording, Stop, Thread
 
 
 def graded(
-    recording: Recording, monkeypatch: pytest.MonkeyPatch, text: str | None
+    recording: Recording, monkeypatch: pytest.MonkeyPatch, value: Any, kind: str = "expect"
 ) -> dict[str, Any]:
-    """The row of the first lab's check of a run, with this expectation, for a program's run."""
+    """The row of the first lab's check of a run, asking for this, for a program's run."""
 
     class Target:
         def run(self, _robot: Robot, _scenario: object, _image: object) -> Recording:
@@ -34,8 +34,8 @@ def graded(
     monkeypatch.setattr(judge, "VirtualTarget", Target)
     rubric: Rubric = read_rubric(RUBRIC)
     found = next(check for check in rubric.checks if check.scenario is not None)
-    fields: dict[str, Any] = {"value": text, "pulses": None, "seeds": (), "hidden_seeds": 0}
-    check: Check = replace(found, kind="expect", **fields)
+    fields: dict[str, Any] = {"value": value, "pulses": None, "seeds": (), "hidden_seeds": 0}
+    check: Check = replace(found, kind=kind, **fields)
     path = Path(str(check.scenario))
     scenario = replace(
         read_scenario(path, rubric.robot), inputs=(), stimuli=(), straight=None, step=None
@@ -60,6 +60,18 @@ def test_a_program_that_fails_gets_no_points_for_what_it_showed_before(
     row = graded(crashed, monkeypatch, shown)
     assert row["points"] == 0 and "tasks.adb:12" in row["found"]
     assert graded(crashed, monkeypatch, "a fault")["points"] > 0
+
+
+@pytest.mark.parametrize(("limit", "met"), [(0.9, True), (0.89, False)])
+def test_the_fullest_stack_of_all_is_judged(
+    monkeypatch: pytest.MonkeyPatch, limit: float, met: bool
+) -> None:
+    """By its own size: 900 of 1000 bytes are more than 1000 of 4000; one without a size is none."""
+    stacks = ((4000, 1000), (1000, 900), (0, 5000))
+    threads = tuple(Thread(f"task_{i}", i, *stack) for i, stack in enumerate(stacks))
+    run = replace(preempted(), threads=threads)
+    row = graded(run, monkeypatch, limit, "stack_share_at_most")
+    assert (row["points"] > 0) == met and row["found"] == "90 % of a stack"
 
 
 def test_the_judge_starts_without_the_plant_models() -> None:

@@ -86,6 +86,10 @@ def test_a_drawn_track_is_a_closed_line_that_begins_at_the_sensor(
     assert math.pi * 0.48**2 <= min(sizes) <= math.pi * (0.7 * 1.1) ** 2
     again, same = floor_of(track, seed, tmp_path)
     assert again == floor and (same == black).all()
+    # The paper goes on as it ends, and its line reflects little.
+    shades = imread(floor.image)[:, :, 0]
+    assert shades.max() == pytest.approx(floor.outside, abs=1 / 255)
+    assert shades.min() == pytest.approx(0.08, abs=1 / 255)
     assert floor_of(track, seed + 6, tmp_path)[1].shape != black.shape
 
 
@@ -152,7 +156,10 @@ def result(name: str, *values: float) -> dict[str, Any]:
 
 
 def test_places_follow_from_the_mean_rank() -> None:
-    """Least time, deviation and energy, largest margin; equal scores share a place."""
+    """Least time, deviation and energy, largest margin; equal scores share a place.
+
+    Checks that are no race change nothing; of two lost races the first is told.
+    """
     rubric = read_rubric(LEAGUE)
     rubric = replace(rubric, checks=rubric.checks[:1])
     results = [
@@ -166,6 +173,14 @@ def test_places_follow_from_the_mean_rank() -> None:
         ("a", 1, 1.5), ("b", 1, 1.5), ("c", 3, 3.0),
     ]  # fmt: skip
     assert (league.entries[3].place, league.entries[3].sentence) == (None, "oval: too slow")
+    other = replace(rubric.checks[0], name="builds", kind="builds", value=True)
+    row = {"name": "builds", "found": "builds", "hidden": False}
+    both = [{**each, "checks": [row, *each["checks"]]} for each in results]
+    assert league_of(replace(rubric, checks=(other, *rubric.checks)), both, "abcd") == league
+    second = replace(rubric.checks[0], name="lap")
+    twice = [{**each, "checks": each["checks"] * 2} for each in results]
+    lost = league_of(replace(rubric, checks=(*rubric.checks, second)), twice, "abcd").entries[3]
+    assert lost.sentence == "oval: too slow"
     unseen = replace(rubric, checks=(replace(rubric.checks[0], hidden=True),))
     assert league_of(unseen, results, list("abcd")).entries[3].sentence == "oval: did not finish"
     assert "secret text" not in repr(league)

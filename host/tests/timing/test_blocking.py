@@ -18,8 +18,9 @@ MIDDLE = 5
 
 
 def job(service: str, section_cycles: int = 0) -> Bound:
-    """A job with a protected action of ceiling 6 and a service that masks interrupts."""
-    sections = ((2 * 6, section_cycles),)
+    """A job with a protected action of ceiling 6, shorter ones of higher ceilings, and a service
+    that masks interrupts."""
+    sections = ((2 * 6, section_cycles), *((2 * n, section_cycles // 2) for n in (7, 8)))
     return Bound("job", 1_000, 0, sections, frozenset({service}), {})
 
 

@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from ravenbrick.image.build import TOOLS, find_tool
@@ -25,6 +26,7 @@ if any(find_tool(tool) is None for tool in TOOLS):
 from verification.support.timing.programs import HERE, Subject, analysed, subject
 
 from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import read_robot
 from ravenbrick.timing.facts.counted_facts import points_text
@@ -34,8 +36,9 @@ from ravenbrick.timing.observation.fact_counts import (
     fact_counts,
     left_modes,
 )
-from ravenbrick.timing.observation.job_facts import FactCount
+from ravenbrick.timing.observation.job_facts import TOLERANCE_CYCLES, FactCount
 from ravenbrick.timing.observation.observed import exceeded, observe, outside_counts
+from ravenbrick.timing.observation.outside_jobs import have_deadline
 from ravenbrick.timing.results.result import result_of
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of
@@ -158,6 +161,18 @@ def test_a_search_after_which_the_task_is_released_anew_is_outside(tmp_path: Pat
     whole, without = (observe(wrong.robot, late, 1, names) for names in ((), {"control"}))
     assert without["control"].jobs < whole["control"].jobs
     assert without["listener"] == whole["listener"]
+
+
+def test_a_job_has_a_deadline_if_the_next_release_is_a_period_later() -> None:
+    """To within the clock's resolution; of the last job it is not known."""
+    task = program().robot.task("control")
+    assert task is not None and task.period_us is not None
+    period = MASTER_CLOCK.cycles_of_us(task.period_us)
+    apart = [TOLERANCE_CYCLES, -TOLERANCE_CYCLES, TOLERANCE_CYCLES + 1, -TOLERANCE_CYCLES - 1]
+    releases = np.cumsum([7, *(period + late for late in apart)])
+    found = have_deadline(task, releases, {"control"})
+    assert found.tolist() == [True, True, False, False, False]
+    assert have_deadline(task, releases, ()).all()
 
 
 def test_code_outside_of_jobs_delays_less_urgent_tasks_and_not_its_own(tmp_path: Path) -> None:

@@ -193,6 +193,66 @@ def test_the_number_of_the_word_is_told_by_all_ways_to_the_branch() -> None:
         assert calls(CALL, address) == []  # perhaps the target of a jump that is not seen
 
 
+def test_a_way_over_a_jump_backwards_counts_too() -> None:
+    """The other load, behind the call, jumps back to the test."""
+    there, back = 0x0A00_0004, 0xEAFF_FFF9  # beq to `OTHER`, b to `TEST`
+    assert calls([TAG, there, *CALL[1:], OTHER, back]) == [(24, {2, 5})]
+
+
+@pytest.mark.parametrize("register", range(15))
+@pytest.mark.parametrize(
+    "call",
+    [
+        [0xEB00_0100],  # bl
+        [0xE1A0_E00F, 0xE12F_FF11],  # mov lr, pc; bx r1
+        [0xE1A0_E00F, 0xE12F_FF12],  # the same with r2
+    ],
+)
+def test_a_tag_outlives_a_call_where_the_procedure_call_standard_says(
+    register: int, call: list[int]
+) -> None:
+    """In r4 to r11 and in the stack pointer (AAPCS, section 6.1.1)."""
+    load = 0xE590_0000 | register << 12
+    operation = 0xE590_4014 | register << 16
+    found = calls([load, *call, operation, *CALL[2:]])
+    assert (found == [(20 + 4 * len(call), {5})]) == (4 <= register <= 11 or register == 13)
+
+
+WRITE_R3 = [
+    0xE1A0_3001,  # mov r3, r1
+    0xE003_0291,  # mul r3, r1, r2
+    0xE003_0192,  # mul r3, r2, r1
+    0xE023_0291,  # mla r3, r1, r2, r0
+    0xE083_5291,  # umull r5, r3, r1, r2
+    0xE085_3192,  # umull r3, r5, r2, r1
+    0xE1D1_30B2,  # ldrh r3, [r1, #2]
+    0xE1F3_20B2,  # ldrh r2, [r3, #2]!
+    0xE5B3_2004,  # ldr r2, [r3, #4]!
+    0xE5A3_2004,  # str r2, [r3, #4]!
+    0xE483_2004,  # str r2, [r3], #4
+    0xE891_0008,  # ldm r1, {r3}
+    0xE8B3_0004,  # ldm r3!, {r2}
+    0xE10F_3000,  # mrs r3, cpsr
+    0x1083_3001,  # addne r3, r3, r1
+]
+LEAVE_R3 = [
+    0xE353_0000,  # cmp r3, #0
+    0xE113_0001,  # tst r3, r1
+    0xE002_0391,  # mul r2, r1, r3
+    0xE583_2004,  # str r2, [r3, #4]
+    0xE593_2004,  # ldr r2, [r3, #4]
+    0xE881_0008,  # stm r1, {r3}
+    0xE1A0_2003,  # mov r2, r3
+]
+
+
+@pytest.mark.parametrize("instruction", [*WRITE_R3, *LEAVE_R3])
+def test_what_an_instruction_writes_is_as_the_architecture_says(instruction: int) -> None:
+    """Encodings by hand (ARM DDI 0100I, chapter A3); an operand is not written."""
+    found = calls([TAG, instruction, *CALL[1:]])
+    assert found == ([] if instruction in WRITE_R3 else [(24, {5})])
+
+
 @pytest.mark.parametrize(
     "instructions",
     [
@@ -203,7 +263,6 @@ def test_the_number_of_the_word_is_told_by_all_ways_to_the_branch() -> None:
         [TAG, 0xE4B3_2004, *CALL[1:]],  # ldrt r2, [r3], #4
         [TAG, OPERATION, 0xE283_4004, *CALL[2:]],  # add r4, r3, #4
         [0xE3A0_4000, TAG, 0x1593_4014, *CALL[2:]],  # mov r4, #0 before ldrne r4, [r3, #20]
-        [TAG, 0xEB00_0000, *CALL[1:]],  # bl: r3 is what it returns
         [TAG, 0xEA00_0010, *CALL[1:]],  # b: what leads to the next instruction is not seen
     ],
 )

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, cast
 
 import pytest
@@ -118,5 +119,7 @@ def test_the_phase_margin_is_told_at_the_designed_and_at_the_bounded_delay() -> 
     assert marks(axis) == pytest.approx([2, 2, 12, 12], rel=1e-4)  # lines, and dots on them
     margins = next(line for line in axis.lines if "another delay" in str(line.get_label()))
     curve = [float(y) for y in cast(Any, margins.get_ydata())]
-    assert curve == sorted(curve, reverse=True) and len(curve) > 50
+    delays = [float(x) for x in cast(Any, margins.get_xdata())]
+    lost = [math.degrees(10 * (delay - 2) / 1000) for delay in delays]
+    assert curve == pytest.approx([60 - degrees for degrees in lost], rel=1e-9) and len(curve) > 50
     assert axis.get_xlim() == pytest.approx((0, 14.4), rel=1e-4)

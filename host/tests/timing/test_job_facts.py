@@ -25,6 +25,7 @@ from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts.facts import (
     SOURCE_NUMBERS,
     Facts,
+    InterruptLoad,
     KindOfJob,
     Suspension,
     annotations_of,
@@ -35,7 +36,8 @@ from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import fact_counts, latest
 from ravenbrick.timing.observation.job_facts import FactCount, request_counts
 from ravenbrick.timing.observation.observed import check_job_kinds
-from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.schedule import jobs_of
 
 pytestmark = [NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRICK]
 
@@ -99,6 +101,38 @@ def test_interrupts_that_come_too_densely_are_told() -> None:
     )
     (found,) = wrong_counts(replace(facts, interrupts=slow))
     assert "declared 1 each 60 us late by 40 us, seen late by" in found.excess
+
+
+@pytest.mark.parametrize(("number", "told"), [(1, False), (2, True)])
+def test_interrupts_after_releases_are_counted_from_the_second_one_on(
+    number: int, told: bool
+) -> None:
+    """The first release is the start of the program."""
+    robot, facts, image, _, recording = run()
+    job = jobs_of(recording, recording.thread_index("display_task"))[number - 1]
+    source, events = SOURCE_NUMBERS["SPI"], recording.events
+    entered = (events["kind"] == int(EventKind.INTERRUPT_ENTERED)) & (events["subject"] == source)
+    moved = events[entered][:4]
+    moved["at_cycles"] = job.release_cycles + np.arange(4)
+    mixed = np.concatenate([events[~entered], moved])
+    alone = replace(recording, events=mixed[np.argsort(mixed["at_cycles"], kind="stable")])
+    load = InterruptLoad(source, 3, 100_000, "a test", task="display_task")
+    counts = fact_counts(robot, replace(facts, interrupts=(load,)), image, (), alone)
+    (found,) = (count for count in counts if ', task = "display_task"' in count.fact)
+    assert found.excess.startswith("declared 3, seen 4 ") == told
+    assert told == found.excess.endswith(f", job {number} of display_task")
+
+
+def test_a_transfer_of_a_peripheral_without_a_fact_is_told() -> None:
+    robot, facts, image, _, recording = run()
+    for at, excess in (
+        ([40_000_000, 50_000_000], "declared 0, seen 2, the first at 0.83"),
+        ([1_000], None),  # before all tasks have begun
+    ):
+        more = replace(recording, transfers={"SSC": np.array(at, np.int64)})
+        counts = fact_counts(robot, facts, image, (), more)
+        told = [count.excess for count in counts if 'peripheral = "SSC"' in count.fact]
+        assert len(told) == (excess is not None) and all(t.startswith(str(excess)) for t in told)
 
 
 def test_a_job_of_no_kind_is_told() -> None:

@@ -52,6 +52,11 @@ def test_a_stack_that_may_overflow_comes_before_one_without_a_bound() -> None:
     ]
 
 
+def test_a_stack_as_large_as_its_bound_suffices() -> None:
+    verdicts = [stack_of("control", bound, 1024)["verdict"] for bound in (1024, 1028)]
+    assert verdicts == ["suffices", "may overflow"]
+
+
 def test_code_that_cannot_be_followed_is_named_with_the_fact_that_is_missing() -> None:
     assert stack_lines([ELABORATION]) == [
         "no bound was found for the stack of environment (4096 bytes): main: no target is known"
