@@ -23,9 +23,11 @@ const SIGNAL_CHECK_CYCLES: u64 = 4_805_486;
 /// Default of what carries bytes.
 const NOTHING: &[u8] = &[];
 
-/// A brick with a program, its surroundings and the record of its run.
+/// A brick with its program, surroundings and record, and where variables lie that were read.
 #[pyclass(module = "virtual_brick")]
-pub(crate) struct VirtualBrick(virtual_brick_facade::VirtualBrick);
+pub(crate) struct VirtualBrick(virtual_brick_facade::VirtualBrick, Places);
+
+type Places = BTreeMap<(String, Option<String>), (u32, ScalarKind)>;
 
 /// The whole state of a brick at an instant.
 #[pyclass(module = "virtual_brick", frozen)]
@@ -41,7 +43,7 @@ impl VirtualBrick {
         let configuration =
             Configuration::from_json(configuration_json).map_err(raise::<ConfigurationError>)?;
         virtual_brick_facade::VirtualBrick::new(&configuration, elf)
-            .map(Self)
+            .map(|brick| Self(brick, Places::new()))
             .map_err(refused)
     }
 
@@ -51,7 +53,7 @@ impl VirtualBrick {
         let configuration =
             Configuration::from_json(configuration_json).map_err(raise::<ConfigurationError>)?;
         virtual_brick_facade::VirtualBrick::with_image(&configuration, image)
-            .map(Self)
+            .map(|brick| Self(brick, Places::new()))
             .map_err(refused)
     }
 
@@ -290,13 +292,15 @@ impl VirtualBrick {
     }
 
     #[pyo3(signature = (name, kind=None))]
-    fn read_float(&self, name: &str, kind: Option<&str>) -> PyResult<f64> {
-        Ok(self.read(name, kind)?.as_float())
+    fn read_float(&mut self, name: &str, kind: Option<&str>) -> PyResult<f64> {
+        let (kind, bytes) = self.read(name, kind)?;
+        Ok(kind.to_f64(&bytes))
     }
 
     #[pyo3(signature = (name, kind=None))]
-    fn read_int(&self, name: &str, kind: Option<&str>) -> PyResult<i64> {
-        Ok(self.read(name, kind)?.as_integer())
+    fn read_int(&mut self, name: &str, kind: Option<&str>) -> PyResult<i64> {
+        let (kind, bytes) = self.read(name, kind)?;
+        Ok(kind.to_i64(&bytes))
     }
 
     #[pyo3(signature = (symbol, kind=None))]
@@ -467,10 +471,18 @@ impl VirtualBrick {
 }
 
 impl VirtualBrick {
-    fn read(&self, name: &str, kind: Option<&str>) -> PyResult<virtual_brick_facade::Probe> {
-        self.0
-            .read_scalar(name, scalar_kind(kind)?)
-            .map_err(raise::<ImageError>)
+    /// A variable's kind and bytes; what lies in no memory reads as zero.
+    fn read(&mut self, name: &str, kind: Option<&str>) -> PyResult<(ScalarKind, Vec<u8>)> {
+        let (address, kind) = match self.1.entry((name.to_owned(), kind.map(str::to_owned))) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => {
+                let probe = self.0.read_scalar(name, scalar_kind(kind)?);
+                let place = probe.map(|probe| (probe.address, probe.kind));
+                *new.insert(place.map_err(raise::<ImageError>)?)
+            }
+        };
+        let bytes = self.0.read_memory(address, kind.size() as usize);
+        Ok((kind, bytes.unwrap_or_else(|_| vec![0; 8])))
     }
 }
 

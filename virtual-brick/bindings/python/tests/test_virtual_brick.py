@@ -94,6 +94,19 @@ def test_memory_and_symbols_are_read() -> None:
     assert brick.nearest_code(RAM + 8) == ("start", 8)
 
 
+def test_a_variable_is_read_as_it_is_now_and_by_the_kind_that_is_asked_for() -> None:
+    """Its place is known from the first time; its value is not."""
+    brick = counting()
+    seen = []
+    for until in (50_000, 100_000):
+        brick.run_until(until)
+        (word,) = struct.unpack("<I", brick.read_memory(COUNTER, 4))
+        assert brick.read_int("counter", "u32") == word
+        assert brick.read_int("counter", "u8") == word % 256
+        seen.append(word)
+    assert 0 < seen[0] < seen[1]
+
+
 def test_a_scalar_without_a_known_type_needs_a_kind() -> None:
     """Without debug information and kind the error tells what to give."""
     with pytest.raises(ImageError, match="give its kind"):
