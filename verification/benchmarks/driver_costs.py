@@ -28,7 +28,6 @@ from ravenbrick.telemetry import Session
 from verification.support.bricks.observe import CLOCK_DENOMINATOR, CLOCK_NUMERATOR, Brick, bench
 
 COSTS = [
-    "nothing",
     "`Motor_Encoders.Encoder_Count`",
     "`Motor_Encoders.Current`",
     "`Motor_Controls.Drive`",
@@ -44,20 +43,16 @@ COSTS = [
     "`Ultrasonic_Sensors.Measure`",
     "`Audio.Play_Tone`, 20 ms",
     "`Audio.Time_Remaining`",
-    "nothing",
 ]
 DISPLAY_MOTOR_COSTS = [
-    "nothing",
     "`Display.Put_At_Noupdate`, 16 letters",
     "`Display.Drawing.Draw_Line`, 100 pixels",
     "`Regulated_Motors.Turn_To`",
     "`RS485.Send`, 16 bytes",
     "`RS485.Receive`, 16 bytes",
     "`Parameters.Store.Load`",
-    "nothing",
 ]
 DEVICE_COSTS = [
-    "nothing",
     "`Buttons.Current_Button`",
     "`Power.Last_Reset`",
     "`Watchdog.Restart`",
@@ -69,10 +64,8 @@ DEVICE_COSTS = [
     "`Brick_Name.Set_Name`",
     "`Brick_Name.Name`",
     "`Power.Reset_At_Brown_Out`",
-    "nothing",
 ]
 LINE_COSTS = [
-    "nothing",
     "`Bluetooth.Poll`",
     "`Bluetooth.Send`, 64 bytes",
     "`Bluetooth.Receive`, 64 bytes",
@@ -82,15 +75,12 @@ LINE_COSTS = [
     "",
     "`Direct_Commands.Execute`, battery level",
     "`Direct_Commands.Tick`",
-    "nothing",
 ]
 TELEMETRY_COSTS = [
-    "nothing",
     "`Telemetry.Publish`, 1 value",
     "`Telemetry.Publish`, 4 values",
     "`Telemetry.Publish`, 8 values",
     "`Telemetry.Current`",
-    "nothing",
 ]
 TELEMETRY_PARTS = {
     "queue, names, protocol": ("nxt__telemetry__", "nxt__frames__"),
@@ -127,7 +117,8 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class Program:
-    """A test program: its operations in order, what is plugged in, when the run ends."""
+    """A test program: its operations in order, between two empty jobs, what is plugged in, when the
+    run ends."""
 
     name: str
     operations: list[str]
@@ -323,7 +314,7 @@ def measure(program: Program, elf: bytes) -> Measured:
     """Operations, interrupts and the drivers' own tasks."""
     brick = start(program, elf)
     brick.run(program.end_ms)
-    names = program.operations
+    names = ["nothing", *program.operations, "nothing"]
     assert brick.integer("operations") == len(names)
     run = observe(brick)
     spans = windows(run, len(names))
