@@ -78,8 +78,9 @@ def test_code_and_sliders_stand_beside_the_pictures(tunable: TunableLoop) -> Non
     for number, area in enumerate(areas):
         assert not any(area.overlaps(other) for other in areas[:number])
     (code,) = [text for axis in figure.axes for text in axis.texts if "Kp:" in text.get_text()]
-    assert figure.bbox.contains(*code.get_window_extent().min)
-    assert figure.bbox.contains(*code.get_window_extent().max)
+    lines = code.get_window_extent()
+    assert figure.bbox.contains(*lines.min) and figure.bbox.contains(*lines.max)
+    assert sum(area.overlaps(lines) for area in areas) == 1
 
 
 def test_a_loop_that_is_not_stable_says_so(tunable: TunableLoop) -> None:
@@ -145,8 +146,17 @@ def test_lines_of_the_grid_are_labelled_with_what_they_mean(sample_time: float |
         assert found == pytest.approx(value, rel=6e-3)
         kinds[unit] += 1
     assert kinds == {"/s": 10, "": 9}
-    if sample_time is None:
-        assert (axis.get_xlim(), axis.get_ylim()) == ((-100, 10), (-100, 100))
+
+
+def test_the_grid_does_not_move_the_view_of_the_poles() -> None:
+    """Its arcs reach further to the left than what was drawn before."""
+    _, axes = new_figure(5, 5)
+    axis = axes[0, 0]
+    axis.plot([-100, 10], [-100, 100])
+    left, high = axis.get_xlim()[0], axis.get_ylim()[1]
+    plane_grid(axis, None)
+    assert axis.get_xlim()[0] == left and axis.get_ylim() == (-high, high)
+    assert min(np.min(line.get_xdata()) for line in axis.lines) < left
 
 
 MOTOR = control.ss([[0, 1], [0, -20]], [[0], [40]], np.eye(2), np.zeros((2, 1)))

@@ -116,6 +116,21 @@ def test_the_bound_of_gains_as_held_counts_the_initial_value() -> None:
     assert bounds[1] - bounds[0] == pytest.approx(0.5 * np.abs(held**steps - 0.9**steps).sum())
 
 
+def test_in_a_loop_the_bound_of_gains_as_held_counts_the_initial_value() -> None:
+    """The same of z' = 0.9 z + 0.1 x with the plant x' = 0.5 x + 0.1 z, of which x is looked at."""
+    block = DiscreteStateSpace(
+        "F", a=((0.9,),), b=((0.1,),), c=((1.0,),), d=((0.0,),), initial=(0.5,)
+    )
+    options = FixedPointOptions({"In": 1.0}, accumulator_bits=32, tolerance=None)
+    plant = PlantInLoop(control.ss([[0.5]], [[0.1]], [[1.0]], 0, 0.01), ("In",))
+    found = closed_loop_bound(to_fixed_point(chain(block), options), plant)
+    wanted = np.array([[0.5, 0.1], [0.1, 0.9]])
+    held = np.array([[0.5, 0.1], np.round(wanted[1] * 2**15) / 2**15])
+    powers = [(np.linalg.matrix_power(held, k) - np.linalg.matrix_power(wanted, k))[0, 1]
+              for k in range(600)]  # fmt: skip
+    assert found.coefficients == pytest.approx(0.5 * np.abs(powers).sum(), rel=1e-6)
+
+
 def test_no_bound_is_stated_where_errors_drive_a_state_to_its_limit() -> None:
     """A thirty-second of its range is left: at 0.9988, roundings and gains add up to more."""
     with pytest.raises(DesignError, match=r"state 'F_DSTATE1' may be wrong by 0\.03"):
