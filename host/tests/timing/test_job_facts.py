@@ -78,6 +78,15 @@ def test_a_release_away_from_the_common_one_is_told() -> None:
     assert "[[common_release]]" in found.fact and found.excess.startswith("display_task")
 
 
+def test_edges_are_as_many_as_the_motors_that_are_plugged_in(tmp_path: Path) -> None:
+    text = (VEHICLE / "robot.toml").read_text()
+    ports = [text.index(f"[ports.{port}]") for port in ("A", "B")]
+    for name, motors in ((text, 3), (text[: ports[0]] + text[ports[1] :], 2)):
+        (tmp_path / "robot.toml").write_text(name)
+        found = read_facts(read_robot(tmp_path)).loads(SOURCE_NUMBERS["PIOA"])
+        assert [load.at_most for load in found] == [3 * motors, motors]
+
+
 def test_interrupts_after_the_job_that_requests_them_is_over_are_told() -> None:
     facts = run()[1]
     short = tuple(replace(request, lasts_us=100) for request in facts.requests)

@@ -338,11 +338,13 @@ def _mode(row: dict[str, Any], path: Path, robot: Robot) -> Mode:
 def _interrupts(
     rows: Sequence[dict[str, Any]], path: Path, robot: Robot
 ) -> tuple[InterruptLoad, ...]:
-    """Those of windows from the releases of a task that the robot does not have are left out."""
+    """Those of windows from the releases of a task that the robot does not have are left out; those
+    of each motor count for one at least, since a program may have their handler without a motor."""
+    each = {"motor": max(1, len(robot.motor_ports))}
     return tuple(
         InterruptLoad(
             SOURCE_NUMBERS[row["source"]],
-            row["at_most"],
+            row["at_most"] * each.get(row.get("each", ""), 1),
             row["window_us"],
             row["reason"],
             row.get("task"),
