@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -190,6 +190,8 @@ class Facts:
     `shared` are annotations that hold for every project: names of files and TOML. `outside` is TOML
     that holds for jobs only, `outside_loads` what such code costs others. `together` are the tasks
     (in lower case) with a common release: all their releases lie whole periods of theirs after it.
+    Those of the tasks in `in_jobs` lie so many microseconds behind that, but not while they set up
+    or execute code outside of jobs.
     """
 
     document: LocatedToml | None
@@ -207,6 +209,7 @@ class Facts:
     modes: tuple[Mode, ...] = ()
     flows: tuple[FlowFact, ...] = ()
     together: frozenset[str] = frozenset()
+    in_jobs: Mapping[str, int] = field(default_factory=dict)
     requests: tuple[RequestedInterrupts, ...] = ()
     kinds: tuple[KindOfJob, ...] = ()
 
@@ -305,6 +308,11 @@ def _check_tasks(document: LocatedToml, robot: Robot) -> None:
         (("common_release", index, "tasks"), name)
         for index, row in enumerate(document.values.get("common_release", []))
         for name in row["tasks"]
+    ]
+    named += [
+        (("common_release", index, "in_jobs", number, "task"), task["task"])
+        for index, row in enumerate(document.values.get("common_release", []))
+        for number, task in enumerate(row.get("in_jobs", []))
     ]
     for place, name in named:
         if robot.task(name) is None:
@@ -428,6 +436,11 @@ def read_facts(robot: Robot) -> Facts:
             for row in rows("flow")
         ),
         frozenset(name.lower() for row in rows("common_release") for name in row["tasks"]),
+        {
+            task["task"].lower(): task["after_us"]
+            for row in rows("common_release")
+            for task in row.get("in_jobs", [])
+        },
         tuple(
             RequestedInterrupts(
                 SOURCE_NUMBERS[row["source"]],
