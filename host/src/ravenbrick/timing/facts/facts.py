@@ -330,6 +330,11 @@ def place_of(row: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if key not in OUTSIDE_COSTS}
 
 
+def _outside(row: dict[str, Any], path: Path) -> OutsideLoad:
+    costs = (row["at_most_cycles"], row["period_us"])
+    return OutsideLoad(row["task"], *costs, row["reason"], str(path))
+
+
 def _kind(row: dict[str, Any], path: Path) -> KindOfJob:
     never = [{"symbol": symbol} for symbol in row.get("never", [])]
     most = tuple((SOURCE_NUMBERS[m["source"]], m["at_most"]) for m in row.get("most", []))
@@ -401,13 +406,7 @@ def read_facts(robot: Robot) -> Facts:
         () if drivers is None else ((str(drivers.path), _annotations(drivers)),),
         annotations_of({"avoided": [place_of(row) for row in rows("outside")]}),
         tuple(
-            OutsideLoad(
-                row["task"],
-                row["at_most_cycles"],
-                row["period_us"],
-                row["reason"],
-                str(document.path),
-            )
+            _outside(row, document.path)
             for document in documents
             for row in document.values.get("outside", [])
         ),
