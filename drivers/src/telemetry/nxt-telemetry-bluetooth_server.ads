@@ -4,6 +4,7 @@
 --  Telemetry over Bluetooth: whoever knows the code may connect, one at a time; after a lost link
 --  the next one. The module belongs to this task.
 
+with Ada.Real_Time;
 with NXT.Bluetooth;
 with NXT.Telemetry.Server;
 with System;
@@ -18,6 +19,9 @@ generic
    Stack_Bytes : Positive := 2_048;
    Most_Frames : Positive := 12;
    --  Most_Frames: that are sent in a period; what is left waits for the next one.
+
+   with function First_Release return Ada.Real_Time.Time is Ada.Real_Time.Clock;
+   --  Jobs are released whole periods after it.
 package NXT.Telemetry.Bluetooth_Server is
 
    procedure Require;
@@ -29,15 +33,16 @@ private
    --  Its waits are none of the server's own.
 
    package Link_Server is new NXT.Telemetry.Server
-     (Program_Name => Program_Name,
-      Start        => Start,
-      Attend       => Bluetooth.Poll,
-      Room         => Bluetooth.Room,
-      Send         => Bluetooth.Send,
-      Receive      => Bluetooth.Receive,
-      Priority     => Priority,
-      Period_Ms    => Period_Ms,
-      Stack_Bytes  => Stack_Bytes,
-      Most_Frames  => Most_Frames);
+     (Program_Name  => Program_Name,
+      Start         => Start,
+      Attend        => Bluetooth.Poll,
+      Room          => Bluetooth.Room,
+      Send          => Bluetooth.Send,
+      Receive       => Bluetooth.Receive,
+      Priority      => Priority,
+      Period_Ms     => Period_Ms,
+      Stack_Bytes   => Stack_Bytes,
+      Most_Frames   => Most_Frames,
+      First_Release => First_Release);
 
 end NXT.Telemetry.Bluetooth_Server;

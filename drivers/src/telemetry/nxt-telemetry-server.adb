@@ -163,14 +163,36 @@ package body NXT.Telemetry.Server is
 
    procedure Require is null;
 
+   Period : constant Time_Span := Milliseconds (Period_Ms);
+
+   --  The next instant that lies whole periods after First_Release: steps double and begin anew.
+   function Next_Release return Time with No_Inline;
+
+   function Next_Release return Time is
+      Step : Time_Span := Period;
+   begin
+      return Next : Time := First_Release do
+         while Next <= Clock loop
+            pragma Annotate (Ravenbrick, Iterations, 250, "half the square of log2 of an hour");
+            if Step > Period and then Next + Step > Clock then
+               Step := Period;
+            else
+               Next := Next + Step;
+               Step := Step + Step;
+            end if;
+         end loop;
+      end return;
+   end Next_Release;
+
    task body Server_Task is
-      Period : constant Time_Span := Milliseconds (Period_Ms);
-      Next   : Time;
-      Now    : Time;
+      Next : Time;
+      Now  : Time;
    begin
       Start;
-      Next := Clock;
+      Next := Next_Release;
       loop
+         Next := Next + Period;
+         delay until Next;
          Now := Clock;
          Attend;
          Receive_Frames (Now);
@@ -183,8 +205,6 @@ package body NXT.Telemetry.Server is
             Listen (Server_State.Listening);
          end if;
          Send_Frames (Now);
-         Next := Next + Period;
-         delay until Next;
       end loop;
    end Server_Task;
 

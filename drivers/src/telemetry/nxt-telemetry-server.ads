@@ -4,6 +4,7 @@
 --  The task that talks to a host over a byte link. It never waits for the link: it gives it what
 --  there is room for and comes again. Without a word from the host for three seconds it is quiet.
 
+with Ada.Real_Time;
 with NXT.Bytes;
 with System;
 
@@ -32,6 +33,10 @@ generic
 
    Most_Frames : Positive := 12;
    --  That a job sends; what is left waits for the next. It bounds the job's execution time.
+
+   with function First_Release return Ada.Real_Time.Time is Ada.Real_Time.Clock;
+   --  Called once by the task, after Start. Jobs are released whole periods after it, the first at
+   --  least a period later than the call.
 package NXT.Telemetry.Server is
 
    procedure Require;

@@ -4,6 +4,7 @@
 --  Telemetry over USB: a host that takes the brick's two bulk endpoints for a stream of bytes.
 --  The port belongs to this task. A program has one server, over Bluetooth or over USB.
 
+with Ada.Real_Time;
 with NXT.Bytes;
 with NXT.Telemetry.Server;
 with NXT.USB;
@@ -19,6 +20,9 @@ generic
    Stack_Bytes : Positive := 2_048;
    Most_Frames : Positive := 12;
    --  Most_Frames: that are sent in a period; what is left waits for the next one.
+
+   with function First_Release return Ada.Real_Time.Time is Ada.Real_Time.Clock;
+   --  Jobs are released whole periods after it.
 package NXT.Telemetry.USB_Server is
 
    procedure Require;
@@ -32,14 +36,15 @@ private
    procedure Receive (Data : out Bytes.Byte_Array; Last : out Natural);
 
    package Link_Server is new NXT.Telemetry.Server
-     (Program_Name => Program_Name,
-      Start        => Start,
-      Room         => Room,
-      Send         => Send,
-      Receive      => Receive,
-      Priority     => Priority,
-      Period_Ms    => Period_Ms,
-      Stack_Bytes  => Stack_Bytes,
-      Most_Frames  => Most_Frames);
+     (Program_Name  => Program_Name,
+      Start         => Start,
+      Room          => Room,
+      Send          => Send,
+      Receive       => Receive,
+      Priority      => Priority,
+      Period_Ms     => Period_Ms,
+      Stack_Bytes   => Stack_Bytes,
+      Most_Frames   => Most_Frames,
+      First_Release => First_Release);
 
 end NXT.Telemetry.USB_Server;

@@ -4,6 +4,8 @@
 --  What a computer sees of the bench over Bluetooth while it runs, and what it may change:
 --  `ravenbrick monitor`.
 
+with Ada.Real_Time;
+with NXT.AVR;
 with NXT.Telemetry;
 with NXT.Telemetry.Bluetooth_Server;
 with Speed_Controller;
@@ -11,6 +13,7 @@ with System;
 
 package Live with Elaborate_Body is
 
+   use type Ada.Real_Time.Time;
    use NXT.Telemetry;
 
    Setpoint : constant Parameter := Declare_Parameter ("setpoint", "V", -5.0, 5.0, 4.0);
@@ -29,11 +32,16 @@ package Live with Elaborate_Body is
    procedure Publish (Wanted, Measured, Control : Float; Angle : Integer);
    --  Volts and degrees.
 
+   function Server_Release return Ada.Real_Time.Time is
+     (NXT.AVR.First_Release + Ada.Real_Time.Milliseconds (12));
+   --  The display's picture has left by then.
+
    package Server is new NXT.Telemetry.Bluetooth_Server
-     (Program_Name => "motor-bench",
-      Priority     => System.Priority'First,
-      Period_Ms    => 20,
-      Stack_Bytes  => 1_024,
-      Most_Frames  => 6);
+     (Program_Name  => "motor-bench",
+      Priority      => System.Priority'First,
+      Period_Ms     => 20,
+      Stack_Bytes   => 1_024,
+      Most_Frames   => 6,
+      First_Release => Server_Release);
 
 end Live;

@@ -8,12 +8,15 @@
 pragma Restrictions (No_Secondary_Stack);
 --  No unit needs one; without it 1.6 KB of memory are free.
 
+with Ada.Real_Time;
+with NXT.AVR;
 with NXT.Telemetry;
 with NXT.Telemetry.Bluetooth_Server;
 with System;
 
 package Live with Elaborate_Body is
 
+   use type Ada.Real_Time.Time;
    use NXT.Telemetry;
 
    type Parameters_functional is record
@@ -33,12 +36,17 @@ package Live with Elaborate_Body is
    procedure Adopt (Battery : Float);
    --  The controllers work with the gains in force, and with this limit in volts, from now on.
 
+   function Server_Release return Ada.Real_Time.Time is
+     (NXT.AVR.First_Release + Ada.Real_Time.Milliseconds (12));
+   --  The display's picture has left by then.
+
    package Server is new NXT.Telemetry.Bluetooth_Server
-     (Program_Name => "vehicle",
-      Priority     => System.Priority'First + 1,
-      Period_Ms    => 20,
-      Stack_Bytes  => 1_024,
-      Most_Frames  => 6);
+     (Program_Name  => "vehicle",
+      Priority      => System.Priority'First + 1,
+      Period_Ms     => 20,
+      Stack_Bytes   => 1_024,
+      Most_Frames   => 6,
+      First_Release => Server_Release);
    --  Above the main procedure, which never ends.
 
 end Live;

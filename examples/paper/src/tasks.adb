@@ -222,16 +222,14 @@ package body Tasks is
           Of_Whole (Now.Angle), Of_Whole (Integer (NXT.Battery.Millivolts))));
    end Report;
 
-   Link_Period : constant Time_Span := Milliseconds (2);
-   --  Of the co-processor task, which sends outputs when it has received inputs: one period later
-   --  Control_Task has a whole one for its job before the next outputs are sent.
+   First_Release : constant Time := NXT.AVR.First_Release + Milliseconds (100);
+   --  An even number of periods of the co-processor task after its own first release: it asks for
+   --  inputs then, and sends outputs a period later, by when Control_Task has done its job.
 
    task body Control_Task is
-      Next_Release : Time;
+      Next_Release : Time := First_Release;
    begin
-      NXT.AVR.Await_Data_Available;
       Past := (others => Read_Encoders);
-      Next_Release := Clock + Link_Period;
       loop
          delay until Next_Release;
          Measure_Speeds;
@@ -274,7 +272,7 @@ package body Tasks is
    end Show;
 
    task body Display_Task is
-      Next_Release : Time := Clock;
+      Next_Release : Time := First_Release;
    begin
       loop
          delay until Next_Release;

@@ -3,6 +3,7 @@
 
 with Ada.Real_Time;      use Ada.Real_Time;
 with Joystick_Commands;  use Joystick_Commands;
+with NXT.AVR;
 with NXT.Bluetooth;      use NXT.Bluetooth;
 with NXT.Bytes;
 with NXT.Frames;
@@ -17,6 +18,7 @@ package body Stick is
    use NXT;
    use type NXT.Bytes.Byte;
 
+   First_Release  : constant Time := NXT.AVR.First_Release;
    Period         : constant Time_Span := Milliseconds (Period_Ms);
    Looking_Period : constant := 5;
    --  Seconds that a search takes.
@@ -115,7 +117,7 @@ package body Stick is
       loop
          Search;
          Now.Running := False;
-         Next_Release := Clock;
+         Next_Release := First_Release + Period * ((Clock - First_Release) / Period + 1);
          loop
             Next_Release := Next_Release + Period;
             delay until Next_Release;

@@ -3,11 +3,14 @@
 
 with Ada.Real_Time;      use Ada.Real_Time;
 with Joystick_Commands;  use Joystick_Commands;
+with NXT.AVR;
 with NXT.Bluetooth;      use NXT.Bluetooth;
 with NXT.Bytes;
 with NXT.Frames;
 
 package body Air is
+
+   First_Release : constant Time := NXT.AVR.First_Release;
 
    Period : constant Time_Span := Milliseconds (10);
    Chunk  : constant := 32;
@@ -98,13 +101,13 @@ package body Air is
       Next_Release : Time;
    begin
       Start;
-      Next_Release := Clock;
+      Next_Release := First_Release + Period * ((Clock - First_Release) / Period + 1);
       loop
+         Next_Release := Next_Release + Period;
+         delay until Next_Release;
          Poll;
          Last.Set_Connected (State = Connected);
          Hear;
-         Next_Release := Next_Release + Period;
-         delay until Next_Release;
       end loop;
    end Radio_Task;
 

@@ -175,6 +175,22 @@ def interrupted_before(seed: int) -> tuple[TaskSet, TaskSet, Known]:
     return found[0], found[1], replace(known, responses=plain_responses(found[1]).responses)
 
 
+def requested_above(seed: int) -> tuple[TaskSet, TaskSet, Known]:
+    """A more urgent task whose jobs make a device work after their end, up to a while later; the
+    tasks below are released at other times, some of them while it may work."""
+    rng = random.Random(seed)
+    lasts, burst = rng.randint(0, 12), rng.randint(1, 5)
+    top = Task("top", 80, rng.randint(1, 5), 3, phase=0)
+    middle = Task("middle", 20, rng.randint(1, 4), 2, phase=rng.randint(0, 19))
+    low = Task("low", 40, rng.randint(1, 8), 1, phase=rng.randint(0, 39))
+    device = Task("device", 80, burst, 4, release="interrupt")
+    analysed = TaskSet((device, top, middle, low))
+    request = Request("device", ("top",), lasts)
+    known = replace(plain_responses(analysed), requests=(request,))
+    working = replace(device, release="cyclic", phase=top.wcet + rng.randint(0, lasts))
+    return analysed.with_task(working), analysed, known
+
+
 def compared(
     seed: int, without_interrupts: bool = False, case: Case = alternating
 ) -> list[tuple[Time, Time, Time]]:
@@ -193,7 +209,7 @@ def compared(
     return rows
 
 
-@pytest.mark.parametrize("case", [alternating, interrupted_before])
+@pytest.mark.parametrize("case", [alternating, interrupted_before, requested_above])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_run_exceeds_a_bound_with_kinds_of_jobs_and_requests(seed: int, case: Case) -> None:
     assert all(seen <= bound <= loose for seen, bound, loose in compared(seed, case=case))
@@ -235,6 +251,22 @@ def test_what_is_over_delays_nobody_before_the_start_either() -> None:
 def test_kinds_of_jobs_and_requests_make_most_bounds_closer() -> None:
     rows = [row for seed in SEEDS for row in compared(seed)]
     assert sum(bound < loose for _, bound, loose in rows) > len(rows) // 2
+
+
+def test_interrupts_that_a_more_urgent_job_requested_are_left_out_after_it_only() -> None:
+    rows = [row for seed in SEEDS for row in compared(seed, case=requested_above)]
+    assert sum(bound < loose for _, bound, loose in rows) > len(rows) // 8
+
+    def longer(seed: int) -> tuple[TaskSet, TaskSet, Known]:
+        """The device works later than is said."""
+        simulated, analysed, known = requested_above(seed)
+        (request,) = known.requests
+        device = simulated.task("device")
+        late = replace(device, phase=simulated.task("top").wcet + request.lasts + 20)
+        return simulated.with_task(late), analysed, known
+
+    late = [row for seed in SEEDS for row in compared(seed, case=longer)]
+    assert any(seen > bound for seen, bound, _ in late)
 
 
 def test_interrupts_that_a_kind_leaves_out_show_as_a_response_above_the_bound() -> None:

@@ -20,6 +20,7 @@ from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import read_scenario, scenario_path
 from ravenbrick.project.workspace import Workspace
+from ravenbrick.schedule.quantity import Time
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts.facts import (
@@ -27,6 +28,7 @@ from ravenbrick.timing.facts.facts import (
     Facts,
     InterruptLoad,
     KindOfJob,
+    OutsideLoad,
     Suspension,
     annotations_of,
     read_facts,
@@ -36,6 +38,8 @@ from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import fact_counts, latest
 from ravenbrick.timing.observation.job_facts import FactCount, request_counts
 from ravenbrick.timing.observation.observed import check_job_kinds
+from ravenbrick.timing.task_set.alarm import exact_cycles
+from ravenbrick.timing.task_set.scheduled_tasks import phased_in_jobs
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of
 
@@ -78,6 +82,56 @@ def test_a_release_away_from_the_common_one_is_told() -> None:
     )
     (found,) = wrong_counts(facts, replace(robot, tasks=tasks))
     assert "[[common_release]]" in found.fact and found.excess.startswith("display_task")
+
+
+def test_releases_of_jobs_so_long_behind_the_common_one_are_counted() -> None:
+    robot, facts, _, _, _ = run()
+    apart = replace(facts, together=facts.together - {"control_task"})
+    assert wrong_counts(replace(apart, in_jobs={"control_task": 8_000})) == []
+    (found,) = wrong_counts(replace(apart, in_jobs={"control_task": 9_000}))
+    assert "[[common_release]]" in found.fact and found.excess.startswith("control_task")
+    # A task that does not keep its period executes code outside of jobs: no release is judged.
+    tasks = tuple(
+        replace(task, period_us=3_000) if task.name == "control_task" else task
+        for task in robot.tasks
+    )
+    setting_up = replace(robot, tasks=tasks)
+    assert wrong_counts(replace(apart, in_jobs={"control_task": 9_000}), setting_up) == []
+
+
+def test_a_task_meets_its_own_phase_and_that_of_others_whose_other_code_is_stated() -> None:
+    _, facts, _, analysis, _ = run()
+    slow = {"display_task": 1_000}
+    apart = replace(facts, together=facts.together - set(slow), in_jobs=slow)
+    code = OutsideLoad("display_task", 5_000, 2_000, "a test")
+    phase = exact_cycles(1_000)
+
+    def seen_by(priority: int, own: str, facts: Facts) -> Time | None:
+        timings = [
+            replace(t, task=replace(t.task, priority=priority)) if t.task.name == own else t
+            for t in analysis.tasks
+        ]
+        tasks = [analysis.task_set.task(t.task.name) for t in timings]
+        tasks = [replace(task, phase=None) for task in tasks]
+        (timing,) = (t for t in timings if t.task.name == own)
+        met = phased_in_jobs(timing, timings, tasks, facts)
+        return next(task.phase for task in met if task.name == "display_task")
+
+    stated = replace(apart, outside_loads=(code,))
+    assert seen_by(1, "display_task", apart) == phase
+    assert seen_by(2, "control_task", apart) is None
+    assert seen_by(2, "control_task", stated) is None
+    assert seen_by(0, "control_task", apart) is None
+    assert seen_by(0, "control_task", stated) == phase
+
+
+def test_edges_are_as_many_as_the_motors_that_are_plugged_in(tmp_path: Path) -> None:
+    text = (VEHICLE / "robot.toml").read_text()
+    ports = [text.index(f"[ports.{port}]") for port in ("A", "B")]
+    for name, motors in ((text, 3), (text[: ports[0]] + text[ports[1] :], 2)):
+        (tmp_path / "robot.toml").write_text(name)
+        found = read_facts(read_robot(tmp_path)).loads(SOURCE_NUMBERS["PIOA"])
+        assert [load.at_most for load in found] == [3 * motors, motors]
 
 
 def test_interrupts_after_the_job_that_requests_them_is_over_are_told() -> None:

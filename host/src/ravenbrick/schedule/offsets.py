@@ -219,11 +219,15 @@ class _Beginning:
     before the start or not at all, but for the section that blocks; since the clock releases in the
     order of arrivals, it arrived before the tasks that start the busy period. A job that is over by
     that first arrival ended at its own priority, which it has not in a busy period, so the busy
-    period starts after its sections.
+    period starts after its sections. A job that is no less urgent is over by the start or arrives
+    in the busy period, which is no longer than `longest`.
     """
 
-    def __init__(self, window: Window, tasks: Iterable[Task], known: Known) -> None:
-        self._window, self._known = window, known
+    def __init__(
+        self, window: Window, tasks: Iterable[Task], known: Known, longest: Time | None
+    ) -> None:
+        self._window, self._known, self._longest = window, known, longest
+        self._met = {source.task.name: source.task for source in window.sources}
         self._windows: dict[LeftOut, Window] = {}
         self._tasks = {task.name: task for task in tasks}
         self._clock = window.clock.overheads.clock_resolution
@@ -249,6 +253,21 @@ class _Beginning:
         latest = ceiling(begin - self._clock - task.phase, task.period) - 1
         return task.phase + latest * task.period + response <= begin - before
 
+    def _passed(self, name: str, begin: Time, before: Time) -> bool:
+        """Is each job of a task that is no less urgent over so long before `begin`, or does it
+        arrive after the busy period?"""
+        task, response = self._met.get(name), self._known.responses.get(name)
+        if task is None or task.phase is None or response is None or self._longest is None:
+            return False
+        following = task.phase + ceiling(begin - task.phase, task.period) * task.period
+        over = following - task.period + response
+        return over <= begin - before and following >= begin + self._longest
+
+    def _done(self, name: str, begin: Time, before: Time) -> bool:
+        """Does no job of a task request anything from so long before `begin` on?"""
+        is_over = self._passed if name in self._met else self._over
+        return is_over(name, begin, before)
+
     def left_out(self, begin: Time) -> LeftOut:
         """What cannot be met at this start."""
         earliest = self._earliest
@@ -257,7 +276,7 @@ class _Beginning:
         over = frozenset(
             request.source
             for request in self._known.requests
-            if all(self._over(name, begin, earliest + request.lasts) for name in request.tasks)
+            if all(self._done(name, begin, earliest + request.lasts) for name in request.tasks)
         )
         return absent, over, ended - absent
 
@@ -364,7 +383,7 @@ def _worst_terms(
     jobs_at_most = int(window.repetition // task.period) + 1 if window.utilization == 1 else None
     worst: Worst | None = None
     seen: set[tuple[object, ...]] = set()
-    beginning = _Beginning(window, lower, known)
+    beginning = _Beginning(window, lower, known, longest)
     signatures = None if longest is None else _Signatures(window, longest)
     for begin in _begins(window, repetition):
         left_out = beginning.left_out(begin)

@@ -235,7 +235,7 @@ def _executions(
     found = [executions(jobs, of_jobs.kinds(stated), 0)]
     if any(DISPATCH in job.reached for _, job in jobs):
         without = [*stated, no_cost(DISPATCH)]
-        pairs = zip(jobs, of_jobs.bounds(without), strict=True)
+        pairs = zip(jobs, of_jobs.under(without, jobs), strict=True)
         jobs = [(t, replace(job, cycles=min(job.cycles, s.cycles))) for (t, job), (_, s) in pairs]
         found.append(executions(jobs, of_jobs.kinds(without), kernel.dispatch))
     return found
@@ -337,7 +337,7 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
     modes = _modes(
         facts,
         of_facts,
-        lambda stated: executions_of(of_jobs.with_outside(of_jobs.bounds(stated)), stated),
+        lambda stated: executions_of(of_jobs.with_outside(of_jobs.under(stated, jobs)), stated),
     )
     executions = executions_of(jobs, [])
     scheduled = partial(_scheduled, partial(of_facts, facts), executions)

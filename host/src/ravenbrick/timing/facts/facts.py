@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -190,6 +190,8 @@ class Facts:
     `shared` are annotations that hold for every project: names of files and TOML. `outside` is TOML
     that holds for jobs only, `outside_loads` what such code costs others. `together` are the tasks
     (in lower case) with a common release: all their releases lie whole periods of theirs after it.
+    Those of the tasks in `in_jobs` lie so many microseconds behind that, but not while they set up
+    or execute code outside of jobs.
     """
 
     document: LocatedToml | None
@@ -207,6 +209,7 @@ class Facts:
     modes: tuple[Mode, ...] = ()
     flows: tuple[FlowFact, ...] = ()
     together: frozenset[str] = frozenset()
+    in_jobs: Mapping[str, int] = field(default_factory=dict)
     requests: tuple[RequestedInterrupts, ...] = ()
     kinds: tuple[KindOfJob, ...] = ()
 
@@ -306,6 +309,11 @@ def _check_tasks(document: LocatedToml, robot: Robot) -> None:
         for index, row in enumerate(document.values.get("common_release", []))
         for name in row["tasks"]
     ]
+    named += [
+        (("common_release", index, "in_jobs", number, "task"), task["task"])
+        for index, row in enumerate(document.values.get("common_release", []))
+        for number, task in enumerate(row.get("in_jobs", []))
+    ]
     for place, name in named:
         if robot.task(name) is None:
             known = ", ".join(task.name for task in robot.tasks)
@@ -320,6 +328,11 @@ def _chain(row: dict[str, Any]) -> Chain:
 def place_of(row: dict[str, Any]) -> dict[str, Any]:
     """Where code lies that is outside of jobs."""
     return {key: value for key, value in row.items() if key not in OUTSIDE_COSTS}
+
+
+def _outside(row: dict[str, Any], path: Path) -> OutsideLoad:
+    costs = (row["at_most_cycles"], row["period_us"])
+    return OutsideLoad(row["task"], *costs, row["reason"], str(path))
 
 
 def _kind(row: dict[str, Any], path: Path) -> KindOfJob:
@@ -338,11 +351,13 @@ def _mode(row: dict[str, Any], path: Path, robot: Robot) -> Mode:
 def _interrupts(
     rows: Sequence[dict[str, Any]], path: Path, robot: Robot
 ) -> tuple[InterruptLoad, ...]:
-    """Those of windows from the releases of a task that the robot does not have are left out."""
+    """Those of windows from the releases of a task that the robot does not have are left out; those
+    of each motor count for one at least, since a program may have their handler without a motor."""
+    each = {"motor": max(1, len(robot.motor_ports))}
     return tuple(
         InterruptLoad(
             SOURCE_NUMBERS[row["source"]],
-            row["at_most"],
+            row["at_most"] * each.get(row.get("each", ""), 1),
             row["window_us"],
             row["reason"],
             row.get("task"),
@@ -391,13 +406,7 @@ def read_facts(robot: Robot) -> Facts:
         () if drivers is None else ((str(drivers.path), _annotations(drivers)),),
         annotations_of({"avoided": [place_of(row) for row in rows("outside")]}),
         tuple(
-            OutsideLoad(
-                row["task"],
-                row["at_most_cycles"],
-                row["period_us"],
-                row["reason"],
-                str(document.path),
-            )
+            _outside(row, document.path)
             for document in documents
             for row in document.values.get("outside", [])
         ),
@@ -426,6 +435,11 @@ def read_facts(robot: Robot) -> Facts:
             for row in rows("flow")
         ),
         frozenset(name.lower() for row in rows("common_release") for name in row["tasks"]),
+        {
+            task["task"].lower(): task["after_us"]
+            for row in rows("common_release")
+            for task in row.get("in_jobs", [])
+        },
         tuple(
             RequestedInterrupts(
                 SOURCE_NUMBERS[row["source"]],

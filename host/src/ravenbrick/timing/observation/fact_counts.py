@@ -22,10 +22,10 @@ from ravenbrick.timing.facts.counted_facts import CountedFact
 from ravenbrick.timing.facts.facts import Facts, InterruptLoad
 from ravenbrick.timing.observation.job_facts import (
     FactCount,
+    have_deadline,
     request_counts,
     together_counts,
 )
-from ravenbrick.timing.observation.outside_jobs import have_deadline
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a run shows about facts on jobs: common releases, and interrupts that jobs request."""
+"""What a run shows about facts on jobs: which have a deadline, common releases, and interrupts that
+jobs request."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,14 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.clock import MASTER_CLOCK
-from ravenbrick.project.robot import Robot
+from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.offsets import Request
 from ravenbrick.timing.facts.facts import SOURCE_NUMBERS, Facts
 from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import all_jobs, jobs_of
 
-__all__ = ["TOLERANCE_CYCLES", "FactCount", "request_counts", "together_counts"]
+__all__ = [
+    "TOLERANCE_CYCLES",
+    "FactCount",
+    "have_deadline",
+    "request_counts",
+    "together_counts",
+]
 
 Cycles = NDArray[np.int64]
 CLOCK_HZ = float(MASTER_CLOCK.hertz)
@@ -44,6 +51,18 @@ class FactCount:
         return {**vars(self), "holds": not self.excess}
 
 
+def have_deadline(
+    task: Task | None, release: Cycles, outside: Collection[str]
+) -> NDArray[np.bool_]:
+    """Which jobs of a task have one, by their releases. A cyclic task in `outside` is released anew
+    after a job without one, so the next release is not a period later; of the last job it is not
+    known."""
+    if task is None or task.release != "cyclic" or task.name not in outside:
+        return np.ones(release.size, np.bool_)
+    away = np.diff(release) - MASTER_CLOCK.cycles_of_us(task.period_us or 0)
+    return np.append(np.abs(away) <= TOLERANCE_CYCLES, False)[: release.size]
+
+
 def _releases(recording: Recording, task: str) -> Cycles:
     """Nominal releases of a cyclic task, without the one of its start."""
     jobs = jobs_of(recording, recording.thread_index(task))
@@ -52,15 +71,20 @@ def _releases(recording: Recording, task: str) -> Cycles:
 
 def together_counts(robot: Robot, facts: Facts, recording: Recording) -> list[FactCount]:
     """How far releases of the tasks with a common release are from whole periods after the last of
-    their first ones."""
+    their first ones, or from so long behind these: then of jobs, after which a task keeps its
+    period."""
     releases = {name: _releases(recording, name) for name in sorted(facts.together)}
     common = max((int(at[0]) for at in releases.values() if at.size), default=0)
+    for name in sorted(facts.in_jobs):
+        at = _releases(recording, name)
+        releases[name] = at[have_deadline(robot.task(name), at, {name})]
     found = []
     for name, at in releases.items():
         task = robot.task(name)
         period = float(MASTER_CLOCK.hertz * ((task and task.period_us) or 0) / 1_000_000)
+        behind = float(MASTER_CLOCK.hertz * facts.in_jobs.get(name, 0) / 1_000_000)
         later = at[at >= common]
-        periods = (later - common) / period
+        periods = (later - common - behind) / period
         away = np.ceil(np.abs(periods - np.round(periods)) * period)
         worst = int(away.argmax()) if away.size else 0
         seen = int(away[worst]) if away.size else 0

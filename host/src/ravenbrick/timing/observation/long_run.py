@@ -20,7 +20,7 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
-from ravenbrick.timing.observation.outside_jobs import have_deadline
+from ravenbrick.timing.observation.job_facts import have_deadline
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import IDLE, EventKind, decode_events
 

@@ -1,10 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Jobs without a deadline, of tasks with `[[outside]]` code: which they are, and what they cost."""
+"""What jobs without a deadline cost, of tasks with `[[outside]]` code."""
 
 from __future__ import annotations
-
-from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,23 +10,15 @@ from numpy.typing import NDArray
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Task
 from ravenbrick.timing.facts.facts import Facts
-from ravenbrick.timing.observation.job_facts import TOLERANCE_CYCLES, FactCount
+from ravenbrick.timing.observation.job_facts import (
+    TOLERANCE_CYCLES,
+    FactCount,
+    have_deadline,
+)
 
-__all__ = ["have_deadline", "outside_count"]
+__all__ = ["outside_count"]
 
 Cycles = NDArray[np.int64]
-
-
-def have_deadline(
-    task: Task | None, release: Cycles, outside: Collection[str]
-) -> NDArray[np.bool_]:
-    """Which jobs of a task have one, by their releases. A cyclic task in `outside` is released anew
-    after a job without one, so the next release is not a period later; of the last job it is not
-    known."""
-    if task is None or task.release != "cyclic" or task.name not in outside:
-        return np.ones(release.size, np.bool_)
-    away = np.diff(release) - MASTER_CLOCK.cycles_of_us(task.period_us or 0)
-    return np.append(np.abs(away) <= TOLERANCE_CYCLES, False)[: release.size]
 
 
 def _at(cycles: int) -> str:

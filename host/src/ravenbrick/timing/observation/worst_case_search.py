@@ -27,9 +27,9 @@ from ravenbrick.project.scenario import MonitorWindow, Scenario
 from ravenbrick.project.stimuli import TimedInput
 from ravenbrick.telemetry.frames import FRAME_END, LONGEST_CONTENT, frame, stuff
 from ravenbrick.telemetry.messages import Ask, KeepAlive, SetParameter, encode
+from ravenbrick.timing.observation.job_facts import have_deadline
 from ravenbrick.timing.observation.long_run import cyclic_begin
 from ravenbrick.timing.observation.observed import Observed, observe
-from ravenbrick.timing.observation.outside_jobs import have_deadline
 from ravenbrick.trace.recording import EventKind, Recording, decode_events
 
 __all__ = ["WorstSample", "largest", "search_worst_case"]

@@ -85,6 +85,13 @@ class JobsOfTasks:
             jobs.append((task, job))
         return jobs
 
+    def under(self, more: Annotations, jobs: Jobs) -> Jobs:
+        """The jobs under more annotations. One that is bounded by its kinds, also under these,
+        stays as it is: it does no more to others then."""
+        asked = [task for task, _ in jobs if not _kinds_bound(task, self.facts)]
+        found = {task.name: job for task, job in replace(self, tasks=asked).bounds(more)}
+        return [(task, found.get(task.name, job)) for task, job in jobs]
+
     @cached_property
     def _whole(self) -> dict[str, Bound]:
         """Bodies of the tasks by the task's name, in jobs and outside of them."""
@@ -120,13 +127,19 @@ class JobsOfTasks:
         return found
 
 
+def _kinds_bound(task: Task, facts: Facts) -> bool:
+    """Do kinds bound the jobs of a task? What a job that waits inside executes and waits is longest
+    together, which its kinds do not tell."""
+    stated = any(kind.task == task.name for kind in facts.kinds)
+    return stated and task.release == "cyclic" and facts.suspension(task.name) is None
+
+
 def longest_kinds(jobs: Jobs, kinds: Kinds, facts: Facts) -> Jobs:
-    """The jobs, each as the longest of its kinds. What a job that waits inside executes and waits
-    is longest together, which its kinds do not tell."""
+    """The jobs, each as the longest of its kinds, if these bound it."""
     found = []
     for task, job in jobs:
-        own = [bound for kind, bound in kinds if kind.task == task.name]
-        if own and task.release == "cyclic" and facts.suspension(task.name) is None:
+        if _kinds_bound(task, facts):
+            own = (bound for kind, bound in kinds if kind.task == task.name)
             longest = max(own, key=lambda bound: bound.cycles)
             if longest.cycles < job.cycles:
                 path, report = longest.path, longest.report

@@ -43,6 +43,7 @@ __all__ = [
     "blocking_cause",
     "deepest_stack",
     "periods_us",
+    "phased_in_jobs",
     "requests_of",
     "scheduled_bounds",
 ]
@@ -293,7 +294,7 @@ def scheduled_bounds(
     for timing in sorted(timings, key=lambda each: -each.task.priority):
         special = interrupts_seen_by(timing.task.name, interrupts, costs, facts)
         others = _seen_by(timing, timings, tasks, bounds, changed)
-        met = [*(others or tasks), *more]
+        met = [*phased_in_jobs(timing, timings, others or tasks, facts), *more]
         met = [_paying(task, dispatch) if task.name != timing.task.name else task for task in met]
         beside = (task for name, task in outside.items() if name != timing.task.name)
         seen = TaskSet((*map(changed, (*(special or interrupts), *beside)), *met))
@@ -396,6 +397,29 @@ def requests_of(
             found.append(Request(source_name(fact.source), tasks, lasts))
             found.append(Request(f"{source_name(fact.source)} transfers", tasks, lasts))
     return tuple(found)
+
+
+def phased_in_jobs(
+    timing: TaskTiming,
+    timings: Sequence[TaskTiming],
+    tasks: Sequence[ScheduledTask],
+    facts: Facts,
+) -> list[ScheduledTask]:
+    """The tasks as one of them meets those that keep the common release in their jobs only.
+
+    Its own jobs come after its other code. That of a task which is no less urgent delays it at any
+    time: as code outside of jobs, if that is stated. That of a less urgent one may block it at any
+    time. A task with another period (for margins) need not fit the common release.
+    """
+    found = []
+    for other, task in zip(timings, tasks, strict=True):
+        after_us = facts.in_jobs.get(task.name.lower())
+        stated = other.task.priority >= timing.task.priority and facts.outside_of(task.name)
+        kept = task.release == "cyclic" and task.period == exact_cycles(other.task.period_us or 0)
+        if after_us is not None and kept and (other is timing or stated):
+            task = replace(task, phase=exact_cycles(after_us))
+        found.append(task)
+    return found
 
 
 def _seen_by(
