@@ -4,8 +4,8 @@
 
 Each file of tests runs once by itself, unchanged, under coverage.py, its Python children too. What
 one test prepares serves others of its file: fixtures, caches, modules. So of a mutant all tests run
-of the files that execute it, first those that execute it themselves. What a process executes where nothing is recorded
-counts as executed by the tests that start it.
+of the files that execute it, first those that execute it themselves. What a process executes where
+nothing is recorded counts as executed by the tests that start it.
 """
 
 from __future__ import annotations

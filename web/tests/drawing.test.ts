@@ -7,7 +7,7 @@ import { cyclesOfMs } from "../src/clock";
 import { Kind } from "../src/events";
 import { Floor } from "../src/view/floor";
 import { Timeline } from "../src/view/timeline";
-import { pack } from "./events";
+import { pack, type Plain } from "./events";
 import { FRAME, READY } from "./page";
 
 const SIZE = 630;
@@ -51,18 +51,18 @@ describe("the schedule", () => {
   // 500 pixels behind the names are the last 50 ms.
   const at = (ms: number) => 130 + 10 * ms;
   const ms = (time: number) => Math.round(cyclesOfMs(1000) * (time / 1000));
-  const job = (from: number, until: number) => [
-    [ms(from), Kind.release, 0, ms(from)] as const,
-    [ms(from), Kind.thread_running, 0] as const,
-    [ms(until), Kind.thread_running, -1] as const,
-    [ms(until), Kind.completion, 0, ms(from)] as const,
+  const job = (from: number, until: number): Plain[] => [
+    [ms(from), Kind.release, 0, ms(from)],
+    [ms(from), Kind.thread_running, 0],
+    [ms(until), Kind.thread_running, -1],
+    [ms(until), Kind.completion, 0, ms(from)],
   ];
   const rounded = (calls: unknown[][]) =>
     calls.map((call) =>
       call.map((value) => (typeof value === "number" ? Math.round(10 * value) / 10 : value)),
     );
 
-  function drawn(...events: Parameters<typeof pack>): Timeline {
+  function drawn(...events: Plain[]): Timeline {
     const timeline = new Timeline();
     timeline.ready(READY);
     timeline.frame({ ...FRAME, cycles: ms(50), events: pack(...events) });
@@ -70,7 +70,7 @@ describe("the schedule", () => {
   }
 
   it("has each execution in its place, late jobs in a wide outline of another colour", () => {
-    drawn(...[job(10, 10.8), job(20, 22), job(30, 30.8)].flat().map((event) => [...event] as never));
+    drawn(...job(10, 10.8), ...job(20, 22), ...job(30, 30.8));
     const [top, base] = [0, 20];
     const bars = rounded(pen.of("fillRect"));
     expect(bars).toEqual(
@@ -87,7 +87,7 @@ describe("the schedule", () => {
   });
 
   it("has an arrow up at a release, one down at the deadline and ┤ at the bound", () => {
-    drawn(...job(20, 20.8).map((event) => [...event] as never));
+    drawn(...job(20, 20.8));
     const [left, right, high, base] = [at(20), at(21), 2, 20];
     const paths = rounded(pen.of("moveTo", "lineTo"));
     const arrow = (x: number, from: number, to: number, head: number) => [

@@ -55,6 +55,7 @@ def test_a_number_is_met_within_its_bounds(text: str, value: str, met: bool) -> 
         (b'gain = "two"\n', "expected a number"),
         (b"gain = true\n", "expected a number"),
         (b"gain = nan\n", "gain = nan"),
+        (b"gain = " + b"9" * 400 + b"\n", "the number is too large"),
         (b"gain = = 2\n", "answers.toml: "),
         (b"\xff\xfe\n", "answers.toml: "),
         (b"a = " + b"[" * 5000 + b"\n", "answers.toml: "),

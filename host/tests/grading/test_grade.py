@@ -20,7 +20,12 @@ from ravenbrick.errors import ProjectFileError, UsageError
 from ravenbrick.grading.build import build_image
 from ravenbrick.grading.isolation import TRUST, isolation_named
 from ravenbrick.grading.rubric import read_rubric
-from ravenbrick.grading.submission import Submission, find_submissions, read_files
+from ravenbrick.grading.submission import (
+    Submission,
+    SubmissionError,
+    find_submissions,
+    read_files,
+)
 from ravenbrick.image.elf import read_image
 from ravenbrick.image.raw_binary import flat_image
 from ravenbrick.project.templates import create_project
@@ -117,6 +122,15 @@ def test_an_archive_cannot_write_outside(tmp_path: Path) -> None:
     assert sorted(sources) == ["src/main.adb", "src/tasks.adb"]
 
 
+def test_a_link_to_a_folder_is_not_followed(tmp_path: Path) -> None:
+    """It may lead to what is another student's."""
+    write_submission(tmp_path / "other")
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "src").symlink_to(tmp_path / "other" / "src")
+    with pytest.raises(SubmissionError, match="no Ada or C sources"):
+        read_files(Submission("own", tmp_path / "own"), ("src",))
+
+
 def test_no_submission_and_doubled_names_are_said(tmp_path: Path) -> None:
     """Before anything is built."""
     with pytest.raises(UsageError, match="no submission"):
@@ -148,6 +162,13 @@ def test_a_wrong_rubric_is_told_with_its_line(
     with pytest.raises(ProjectFileError, match=r"rubric.toml:\d+: ") as caught:
         read_rubric(wrong)
     assert problem in caught.value.sentence
+
+
+def test_a_rubric_of_the_lessons_is_found_by_its_name() -> None:
+    """Wherever the command is called; a name of none is told."""
+    assert read_rubric(Path("lab-01")).path.resolve() == RUBRIC.resolve()
+    with pytest.raises(ProjectFileError, match="name a rubric"):
+        read_rubric(Path("lab-00"))
 
 
 def test_objects_of_the_reference_give_the_image_of_a_whole_build(tmp_path: Path) -> None:

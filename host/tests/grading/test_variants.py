@@ -19,7 +19,7 @@ from ravenbrick.grading.adapters import readable
 from ravenbrick.grading.campaign import run_campaign
 from ravenbrick.grading.isolation import TRUST
 from ravenbrick.grading.rubric import Rubric, read_rubric
-from ravenbrick.grading.student_folder import read_class, write_folder
+from ravenbrick.grading.student_folder import read_class, recorded_scenarios, write_folder
 from ravenbrick.grading.submission import Submission
 from ravenbrick.grading.variants import filled, new_key, read_key
 from ravenbrick.project.robot import read_robot
@@ -104,6 +104,18 @@ def test_a_hidden_robot_is_nowhere_in_the_students_folder(tmp_path: Path) -> Non
     assert "own_b" not in text
     for quantity in variant.robot.motors["own_b"].values():
         assert quantity.value == 0 or repr(quantity.value) not in text
+
+
+def test_a_recording_is_of_a_scenario_in_a_project() -> None:
+    """Of the rubric's or another one, which is built for it; outside of projects there is none."""
+    hidden = rubric("lab-03")
+    assert hidden.individual is not None
+    projects = recorded_scenarios(hidden)
+    assert projects and all((project / "robot.gpr").is_file() for project in projects.values())
+    assert all(path.is_relative_to(project) for path, project in projects.items())
+    alone = replace(hidden, individual=replace(hidden.individual, records=("step.toml",)))
+    with pytest.raises(UsageError, match=r"step\.toml: is in no project"):
+        recorded_scenarios(alone)
 
 
 def test_answers_are_graded_by_the_numbers_of_their_student(tmp_path: Path) -> None:

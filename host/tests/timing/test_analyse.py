@@ -26,14 +26,14 @@ from ravenbrick.schedule.model import Task
 from ravenbrick.schedule.quantity import Time, exact
 from ravenbrick.schedule.response_time import ResponseTimeBound
 from ravenbrick.schedule.sensitivity import largest_wcet, scaled, with_period
-from ravenbrick.timing.analysis import Analysis, analyse, known_facts
+from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError, execution_times
 from ravenbrick.timing.facts.counted_facts import points_text
 from ravenbrick.timing.facts.facts import Facts, read_facts
 from ravenbrick.timing.facts.unmatched_facts import check_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.ipet import FlowFact, longest_path
-from ravenbrick.timing.kernel import expiry_facts, kernel_facts, services
+from ravenbrick.timing.kernel import kernel_facts, services
 from ravenbrick.timing.margins import largest_scaling, longest_execution, smallest_period
 from ravenbrick.timing.observation.fact_counts import check_facts_of_run, fact_counts
 from ravenbrick.timing.observation.job_path import paths_of_longest_jobs
@@ -43,10 +43,10 @@ from ravenbrick.timing.observation.worst_case_search import largest, search_wors
 from ravenbrick.timing.results.explanation import overestimation
 from ravenbrick.timing.results.result import advice, result_of
 from ravenbrick.timing.results.worst_path import worst_paths
-from ravenbrick.timing.task_set.alarm import COARSE_PERIOD_US, alarm_costs
 from ravenbrick.timing.task_set.scheduled_tasks import Change
 from ravenbrick.trace.recording import Recording
 
+Result = dict[str, Any]
 pytestmark = [
     NEEDS_TOOLCHAIN,
     NEEDS_VIRTUAL_BRICK,
@@ -87,22 +87,18 @@ def recording(robot: Robot, scenario: Scenario, image: ElfImage, analysis: Analy
 
 
 @pytest.fixture(scope="module")
-def result(robot: Robot, analysis: Analysis, recording: Recording) -> dict[str, Any]:
+def result(robot: Robot, analysis: Analysis, recording: Recording) -> Result:
     return result_of(analysis, observe(robot, recording))
 
 
-def result_without_margins(analysis: Analysis, **changes: Any) -> dict[str, Any]:
+def result_without_margins(analysis: Analysis, **changes: Any) -> Result:
     """Of a changed analysis: searching margins takes long, and no stack matters to them."""
-    unchanged = {"changed_bounds": lambda _change: analysis.bounds}
-    return result_of(replace(analysis, **unchanged, **changes), {})
+    changed = replace(analysis, changed_bounds=lambda _change: analysis.bounds, **changes)
+    return result_of(changed, {})
 
 
 def test_no_response_time_and_no_stack_of_the_run_exceeds_its_bound(
-    robot: Robot,
-    image: ElfImage,
-    analysis: Analysis,
-    recording: Recording,
-    result: dict[str, Any],
+    robot: Robot, image: ElfImage, analysis: Analysis, recording: Recording, result: Result
 ) -> None:
     counts = fact_counts(robot, read_facts(robot), image, analysis.counted, recording)
     check_facts_of_run(counts, "the run")
@@ -117,9 +113,7 @@ def test_no_response_time_and_no_stack_of_the_run_exceeds_its_bound(
         assert task["observed"]["execution_cycles"] <= task["execution_bound_cycles"], task
 
 
-def test_the_vehicle_meets_its_deadlines_and_is_told_how_much_room_there_is(
-    result: dict[str, Any],
-) -> None:
+def test_the_vehicle_meets_its_deadlines_and_is_told_how_much_room_there_is(result: Result) -> None:
     assert result["schedulable"]
     assert any("control_task may take" in line for line in advice(result))
 
@@ -214,26 +208,13 @@ def test_a_stack_without_a_bound_does_not_suffice(analysis: Analysis) -> None:
     assert caught.value.data["stacks_suffice"] is False
 
 
-def test_the_handlers_stack_is_judged_too(analysis: Analysis, result: dict[str, Any]) -> None:
+def test_the_handlers_stack_is_judged_too(analysis: Analysis, result: Result) -> None:
     assert result["stacks_suffice"]
     assert analysis.handlers_stack_bytes == 2048  # runtime/README.md; the vehicle states no other
     result = result_without_margins(analysis, handlers_stack_bytes=64)
     first, *_ = advice(result)
     assert re.match(r"interrupt handlers may need \d+ bytes of stack, and there are 64", first)
     assert "ravenbrick_handler_stack_size" in first and not result["stacks_suffice"]
-
-
-def test_the_alarm_calls_early_unless_a_task_comes_within_the_shortest_stretch(
-    robot: Robot, image: ElfImage, analysis: Analysis
-) -> None:
-    """Also where no task is cyclic."""
-    _, known = known_facts(robot, image, read_facts(robot).of_image(image))
-    annotations = [expiry_facts(()), *known]
-    early = [
-        alarm_costs(image, analysis.interrupts[0], annotations, periods).early
-        for periods in ([], [COARSE_PERIOD_US], [COARSE_PERIOD_US - 1])
-    ]
-    assert early[0] == early[1] > early[2] == 0
 
 
 def test_without_a_job_that_can_be_shortened_the_largest_term_is_named(analysis: Analysis) -> None:
@@ -368,7 +349,7 @@ def test_a_function_alone_is_bounded(image: ElfImage) -> None:
     assert "__aeabi_fmul" in found.reached
 
 
-def test_bounds_of_a_mode_stand_beside_those_of_any(result: dict[str, Any]) -> None:
+def test_bounds_of_a_mode_stand_beside_those_of_any(result: Result) -> None:
     for task in result["tasks"]:
         (mode,) = task["modes"]
         assert mode["name"] == "link up"
@@ -377,9 +358,7 @@ def test_bounds_of_a_mode_stand_beside_those_of_any(result: dict[str, Any]) -> N
         assert mode["response_bound_cycles"] < task["response_bound_cycles"]
 
 
-def test_the_report_says_what_the_bound_holds_that_the_run_did_not_show(
-    result: dict[str, Any],
-) -> None:
+def test_the_report_says_what_the_bound_holds_that_the_run_did_not_show(result: Result) -> None:
     link, *_, display = overestimation(result)
     assert link.startswith("coprocessor_task: the bound is")
     assert "that path takes only" in link and "in mode 'link up' (the link was set up" in link
@@ -477,11 +456,7 @@ def test_the_end_of_an_action_that_lets_others_in_is_charged_to_their_releases(
 
 
 def test_lines_add_up_to_the_bound_of_a_job_and_to_the_time_of_one_in_the_run(
-    robot: Robot,
-    scenario: Scenario,
-    image: ElfImage,
-    analysis: Analysis,
-    recording: Recording,
+    robot: Robot, scenario: Scenario, image: ElfImage, analysis: Analysis, recording: Recording
 ) -> None:
     target = VirtualTarget(flow_points=points_text(analysis.counted))
     runs = paths_of_longest_jobs(robot, scenario, image, target, recording, 1)

@@ -7,6 +7,8 @@ from __future__ import annotations
 import importlib.util
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -21,11 +23,13 @@ from verification.support.timing.programs import Subject, analysed, subject
 
 from ravenbrick.schedule.response_time import response_time_bounds
 from ravenbrick.schedule.task_file import read_task_file
-from ravenbrick.timing.analysis import Analysis
+from ravenbrick.timing.analysis import Analysis, known_facts
 from ravenbrick.timing.bounds import ExecutionTimeError
+from ravenbrick.timing.kernel import expiry_facts
 from ravenbrick.timing.observation.observed import check_event_rates, exceeded, observe
 from ravenbrick.timing.results.task_set_file import task_set_text
-from ravenbrick.timing.task_set.events import event_count
+from ravenbrick.timing.task_set.alarm import COARSE_PERIOD_US, alarm_costs
+from ravenbrick.timing.task_set.events import EVENT_TYPE, _events_in, event_count
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +63,48 @@ def test_expiries_are_interference_of_every_task(program: Subject, analysis: Ana
         assert terms is not None
         met = {part.task: part.time for part in terms.interference}
         assert met[beat.name] >= beat.cycles and met[expire.name] >= expire.cycles
+
+
+def test_the_alarm_calls_early_unless_a_task_comes_within_the_shortest_stretch(
+    program: Subject, analysis: Analysis
+) -> None:
+    """Also where no task is cyclic."""
+    handlers = [event.handler.symbol for event in analysis.events]
+    _, known = known_facts(program.robot, program.image, program.facts, handlers)
+    annotations = [expiry_facts(()), *known]
+    early = [
+        alarm_costs(program.image, analysis.interrupts[0], annotations, periods).early
+        for periods in ([], [COARSE_PERIOD_US], [COARSE_PERIOD_US - 1])
+    ]
+    assert early[0] == early[1] > early[2] == 0
+
+
+@pytest.mark.parametrize(
+    ("bounds", "events"),
+    [
+        ([{"lower": 3, "upper": 5}], 3),
+        ([{"upper": 4}], 4),  # Ada's arrays begin at 1 where nothing is said (DWARF 4, table 7.17)
+        ([{"lower": 0, "upper": 0}], 1),
+        ([{"lower": 2, "upper": 3}, {"upper": 5}], 10),
+        ([{"lower": 1, "upper": [0x91, 0]}], 1),  # an expression: known when the program runs
+    ],
+)
+def test_an_array_of_events_has_as_many_as_its_bounds_say(
+    bounds: list[dict[str, Any]], events: int
+) -> None:
+    def die(tag: str, attributes: dict[str, Any], *children: Any, of: Any = None) -> Any:
+        named = {f"DW_AT_{name}": SimpleNamespace(value=v) for name, v in attributes.items()}
+        return SimpleNamespace(
+            tag=f"DW_TAG_{tag}",
+            attributes=named,
+            iter_children=lambda: iter(children),
+            get_DIE_from_attribute=lambda _name: of,
+        )
+
+    one = die("structure_type", {"name": EVENT_TYPE.encode()})
+    ends = [{f"{end}_bound": value for end, value in each.items()} for each in bounds]
+    ranges = [die("subrange_type", each) for each in ends]
+    assert _events_in(die("array_type", {"type": 0}, *ranges, of=one)) == events
 
 
 def test_the_analysed_task_set_is_a_file_that_gives_the_same_bounds(

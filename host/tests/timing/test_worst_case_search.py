@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which variants of a scenario are played how; no brick runs here."""
+"""Variants of a scenario and statistics of long runs; no brick runs here."""
 
 from __future__ import annotations
 
+import random
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from verification.support.projects import VEHICLE
 from verification.support.recordings import preempted
@@ -16,7 +18,16 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import MonitorWindow, Scenario, read_scenario, scenario_path
 from ravenbrick.project.stimuli import TimedInput
-from ravenbrick.timing.observation.worst_case_search import CHATTER, WORDS, _VariantRunner
+from ravenbrick.timing.observation.long_run import BIN_CYCLES, Spread
+from ravenbrick.timing.observation.worst_case_search import (
+    CHATTER,
+    LINK_PERIOD_US,
+    STUCK,
+    WORDS,
+    WorstSample,
+    _aimed,
+    _VariantRunner,
+)
 from ravenbrick.trace.recording import Recording
 
 
@@ -59,3 +70,30 @@ def test_a_monitor_says_a_word_again_and_again_when_its_input_tells_it(word: int
     ((at_ms, said),) = run.monitor.chatter
     assert at_ms in (6, 7) and run.stimuli == ()
     assert said == WORDS[word] * (len(said) // len(WORDS[word])) and len(said) > 250
+
+
+def test_the_link_is_lost_before_the_longest_job_or_a_release_of_its_task_in_it() -> None:
+    """A job of two periods of the link has three such releases, and each is met by some variant."""
+    us = MASTER_CLOCK.cycles_of_us
+    kept = TimedInput(5, "touch.1", 1.0)
+    sample = WorstSample("t", 2 * us(LINK_PERIOD_US) + 7, 0, (kept,), us(50_000))
+    met = set()
+    for seed in range(60):
+        own, held, back = _aimed(sample, 22_000, us(100_000), random.Random(seed))
+        assert (own, held.name, held.value, back.name, back.value) == (kept, STUCK, 1, STUCK, 0)
+        since = back.at_cycles + us(22_000) - sample.release_cycles
+        number, late = divmod(since, us(LINK_PERIOD_US))
+        assert 0 < late < us(200)
+        assert us(1_600) <= back.at_cycles - late - held.at_cycles < us(1_950)
+        met.add(number)
+    assert met == {0, 1, 2}
+
+
+def test_a_spread_has_the_values_of_all_pieces() -> None:
+    spread = Spread()
+    for piece in ([10, 4 * BIN_CYCLES], [], [21]):
+        spread.add(np.array(piece, np.int64))
+    found = spread.plain()
+    assert (found["count"], found["min"], found["max"]) == (3, 10, 4 * BIN_CYCLES)
+    assert found["mean"] == (31 + 4 * BIN_CYCLES) / 3
+    assert found["bins"] == [[0, 2], [4 * BIN_CYCLES, 1]]
