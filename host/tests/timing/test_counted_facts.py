@@ -36,9 +36,8 @@ from ravenbrick.timing.observation.fact_counts import (
     fact_counts,
     left_modes,
 )
-from ravenbrick.timing.observation.job_facts import TOLERANCE_CYCLES, FactCount
+from ravenbrick.timing.observation.job_facts import TOLERANCE_CYCLES, FactCount, have_deadline
 from ravenbrick.timing.observation.observed import exceeded, observe, outside_counts
-from ravenbrick.timing.observation.outside_jobs import have_deadline
 from ravenbrick.timing.results.result import result_of
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of
