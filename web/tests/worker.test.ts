@@ -15,7 +15,6 @@ const simulation = vi.hoisted(() => ({
     this.elapsed.push(elapsed_ms);
   },
 }));
-vi.mock("../generated/virtual_brick", () => ({ default: async () => undefined, VirtualBrick: {} }));
 vi.mock("../src/simulation", () => ({
   Simulation: function () {
     return simulation;
