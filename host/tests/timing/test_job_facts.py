@@ -15,6 +15,7 @@ from verification.support.needed_tools import NEEDS_TOOLCHAIN, NEEDS_VIRTUAL_BRI
 from verification.support.projects import VEHICLE
 
 from ravenbrick.brick.run import VirtualTarget
+from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.robot import Robot, read_robot
@@ -38,6 +39,7 @@ from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import fact_counts, latest
 from ravenbrick.timing.observation.job_facts import FactCount, request_counts
 from ravenbrick.timing.observation.observed import check_job_kinds
+from ravenbrick.timing.observation.outside_jobs import outside_count
 from ravenbrick.timing.task_set.alarm import exact_cycles
 from ravenbrick.timing.task_set.scheduled_tasks import phased_in_jobs
 from ravenbrick.trace.recording import EventKind, Recording
@@ -123,6 +125,20 @@ def test_a_task_meets_its_own_phase_and_that_of_others_whose_other_code_is_state
     assert seen_by(2, "control_task", stated) is None
     assert seen_by(0, "control_task", apart) is None
     assert seen_by(0, "control_task", stated) == phase
+
+
+@pytest.mark.parametrize(("gap_us", "is_told"), [(4_000, False), (2_000, True)])
+def test_the_last_job_of_a_run_is_outside_only_if_it_comes_at_another_time(
+    gap_us: int, is_told: bool
+) -> None:
+    """A run that ends in a long job says nothing of code outside of jobs."""
+    task = next(task for task in run()[0].tasks if task.name == "control_task")
+    facts = replace(run()[1], outside_loads=(OutsideLoad("control_task", 500, 1_000, "a test"),))
+    releases_us = [0, 4_000, 8_000, 8_000 + gap_us]
+    release = np.array([MASTER_CLOCK.cycles_of_us(at) for at in releases_us], np.int64)
+    own = np.array([100, 200, 300, 9_000], np.int64)
+    counts = outside_count(facts, task, release, own, since=0)
+    assert [bool(count.excess) for count in counts] == [is_told, False]
 
 
 def test_edges_are_as_many_as_the_motors_that_are_plugged_in(tmp_path: Path) -> None:

@@ -29,8 +29,11 @@ def outside_count(
     facts: Facts, task: Task, release: Cycles, own: Cycles, since: int
 ) -> list[FactCount]:
     """Longest execution of a job without a deadline, and shortest time to the next release, of a
-    task that has such jobs; `own` are the net execution times of its completed jobs."""
+    task that has such jobs; `own` are the net execution times of its completed jobs. The last one
+    is left out if it comes a period after one: its next release would tell which it is."""
     chosen = ~have_deadline(task, release, {task.name}) & (release >= since)
+    if release.size > 1 and have_deadline(task, release[-2:], {task.name})[0]:
+        chosen[-1] = False
     counts = []
     for load in facts.outside_of(task.name):
         text = f'{load.file}: [[outside]] task = "{task.name}"'
