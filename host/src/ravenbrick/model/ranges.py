@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,7 @@ Array = npt.NDArray[np.float64]
 _ROUNDS = 60
 _MOST_STEPS = 100_000
 _REMAINDER = 1e-6
+_DIVERGED = 1e100
 _SLOWEST = 1e-4
 
 
@@ -37,7 +39,7 @@ def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key,
     """The range of every variable.
 
     `given` by block, or by the name of a state: all Inports, and the states that neither interval
-    analysis nor the peak gain of the linear program bounds (an integrator has no bound of its own).
+    analysis nor peak gains bound (an integrator has no bound of its own).
     Parameters have the single value they begin with. Raises `DesignError` that names the block
     without a range.
     """
@@ -65,7 +67,6 @@ def real_ranges(program: ir.Program, given: Mapping[str, Interval]) -> dict[Key,
         if not _iterate(program, ranges, free, _landmarks(program)):
             return ranges
         raise
-    _pass(program, ranges, frozenset(key(slot) for slot in program.states))
     return ranges
 
 
@@ -188,8 +189,49 @@ def narrowed(
 def _use_peak_gains(
     program: ir.Program, ranges: dict[Key, Interval], free: list[ir.Slot], growing: list[ir.Slot]
 ) -> None:
-    """Bound the free states by the peak gains of the linear program, besides what it does without
-    inputs: from its initial values, driven by its constants."""
+    """Bound the free states by peak gains, and all other variables by what these leave them.
+
+    A limit counts as absent until its input's range exceeds it; then it is cut: its output is one
+    more input of the linear program, as large as the limit. Before a value first exceeds a limit
+    that is not cut, the program computes what this linear one does for some of its inputs, so all
+    its variables are in their ranges. The first such value would be computed from these, and so
+    lie in its own range, which does not exceed the limit: there is none.
+    """
+    states = frozenset(key(slot) for slot in program.states)
+    linear, found = program, dict(ranges)
+    while True:
+        _bound_by_peak_gains(linear, found, free, growing)
+        _pass(linear, found, states)
+        before, linear = linear, _without_exceeded_limits(linear, found)
+        if len(linear.inputs) == len(before.inputs):
+            break
+    ranges |= {name: found[name] for name in states}
+    _pass(program, ranges, states)
+
+
+def _without_exceeded_limits(program: ir.Program, ranges: dict[Key, Interval]) -> ir.Program:
+    """Each limit that its input's range exceeds becomes an input, with its range."""
+    inputs = list(program.inputs)
+
+    def cut(node: ir.Expression) -> ir.Expression:
+        if isinstance(node, ir.Clamp):
+            limit = Interval.around_zero(_range(node.limit, ranges, program.name).size)
+            if not _range(node.value, ranges, program.name).within(limit):
+                name = f"limit {len(inputs)}"
+                inputs.append(ir.Slot(ir.Kind.INPUT, name, ir.expression_type(node), program.name))
+                ranges[key(inputs[-1])] = limit
+                return ir.Read(inputs[-1])
+        return ir.rebuilt(node, cut)
+
+    statements = ir.mapped(program.statements, cut)
+    return replace(program, inputs=tuple(inputs), statements=statements)
+
+
+def _bound_by_peak_gains(
+    program: ir.Program, ranges: dict[Key, Interval], free: list[ir.Slot], growing: list[ir.Slot]
+) -> None:
+    """Bound the free states by the peak gains of the program, its limits left out, besides what it
+    does without inputs: from its initial values, driven by its constants."""
     try:
         system = linear_system(program, constants=True)
     except DiagramError as error:
@@ -213,9 +255,10 @@ def _use_peak_gains(
         step = matrix @ step
         alone = matrix @ alone + system.B[rows, -1]
         swing = np.maximum(swing, np.abs(alone))
-        if np.abs(step).sum() < _REMAINDER:
+        left = np.abs(step).sum()
+        if not _REMAINDER <= left < _DIVERGED:
             break
-    else:
+    if not left < _REMAINDER:
         raise _unbounded([single[row] for row in _not_decaying(matrix)])
     # Whatever comes later is at most this share of the whole, of `swing` twice.
     whole = np.linalg.solve(np.eye(len(rows)) - 2 * np.abs(step), bound + swing)
