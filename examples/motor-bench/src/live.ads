@@ -40,7 +40,7 @@ package Live with Elaborate_Body is
      (Program_Name  => "motor-bench",
       Priority      => System.Priority'First,
       Period_Ms     => 20,
-      Stack_Bytes   => 1_024,
+      Stack_Bytes   => 768,
       Most_Frames   => 6,
       First_Release => Server_Release);
 

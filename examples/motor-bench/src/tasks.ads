@@ -9,13 +9,13 @@ package Tasks is
 
    task Control_Task is
       pragma Priority (System.Priority'First + 2);
-      pragma Storage_Size (1024);
+      pragma Storage_Size (768);
    end Control_Task;
    --  Every 4 ms: Bench.Control.
 
    task Display_Task is
       pragma Priority (System.Priority'First + 1);
-      pragma Storage_Size (1024);
+      pragma Storage_Size (768);
    end Display_Task;
    --  Every 500 ms: the state on the display.
 
