@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What may keep an interrupt blocking, and which services of the run-time mask interrupts."""
+"""What may keep an interrupt blocking, services that mask interrupts, and windows of one task."""
 
 from __future__ import annotations
 
@@ -12,9 +12,14 @@ import pytest
 
 from ravenbrick.project.robot import Task, read_robot
 from ravenbrick.timing.bounds import Bound
+from ravenbrick.timing.facts.facts import SOURCE_NUMBERS, Facts, InterruptLoad
 from ravenbrick.timing.initial_state import ALARM_SOURCE, Handler
 from ravenbrick.timing.kernel import MASKING, InterruptCost, Services
 from ravenbrick.timing.task_set.interrupt_blocking import InterruptBlocking
+from ravenbrick.timing.task_set.scheduled_interrupts import (
+    interrupts_seen_by,
+    scheduled_interrupts,
+)
 
 ROOT = Path(__file__).resolve().parents[3]
 SERVICES = Services(delay_until=0, resume=30, masking={"set_true": 100, "delay": 50})
@@ -81,6 +86,20 @@ def test_the_alarm_s_handler_masks_for_the_whole_of_a_release() -> None:
 def test_ways_out_of_many_levels_are_counted_one_by_one(levels: int, entries_exits: int) -> None:
     below = [handler(LEVEL - 1 - level, job()) for level in range(levels)]
     assert blocking([job()], *below, handler(LEVEL, job("set_true"))) == entries_exits * ENTRY_EXIT
+
+
+def test_interrupts_in_windows_of_a_task_stand_in_place_of_those_in_any_window() -> None:
+    """The others stay: left out, they would make the bounds of this task too short."""
+    spi, twi = SOURCE_NUMBERS["SPI"], SOURCE_NUMBERS["TWI"]
+    costs = [handler(LEVEL, job(), source) for source in (ALARM_SOURCE, spi, twi)]
+    any_window = (InterruptLoad(spi, 9, 1_000, ""), InterruptLoad(twi, 1, 500, ""))
+    own = InterruptLoad(spi, 2, 1_000, "", task="control")
+    facts = Facts(None, "", interrupts=(*any_window, own))
+    found = scheduled_interrupts(costs, facts, [4_000], lambda _level: 0)
+    assert [(each.name, each.wcet) for each in found] == [("SPI", 9 * 500), ("TWI", 500)]
+    seen = interrupts_seen_by("Control", found, costs, facts)
+    assert seen is not None and seen == [replace(found[0], wcet=2 * 500), found[1]]
+    assert interrupts_seen_by("display", found, costs, facts) is None
 
 
 def test_each_operation_of_the_run_time_that_masks_interrupts_is_a_known_service() -> None:
