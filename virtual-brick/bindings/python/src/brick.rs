@@ -467,6 +467,8 @@ impl VirtualBrick {
 
     fn restore(&mut self, snapshot: &Snapshot) {
         self.0.restore(&snapshot.0);
+        // It may be of a brick with another program.
+        self.1.clear();
     }
 }
 

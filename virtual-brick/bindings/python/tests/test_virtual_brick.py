@@ -107,6 +107,19 @@ def test_a_variable_is_read_as_it_is_now_and_by_the_kind_that_is_asked_for() -> 
     assert 0 < seen[0] < seen[1]
 
 
+def test_variables_lie_where_the_program_of_the_snapshot_has_them() -> None:
+    """A snapshot may be of a brick with another program."""
+    brick, words = counting(), [*COUNTING[:-1], COUNTER + 64]
+    other = Elf().words(RAM, words).function("start", RAM).object("counter", COUNTER + 64, 4)
+    another = VirtualBrick(configuration(), other.build())
+    for one, until in ((brick, 50_000), (another, 100_000)):
+        one.run_until(until)
+    counts = [one.read_int("counter", "u32") for one in (brick, another)]
+    assert 0 < counts[0] < counts[1]
+    brick.restore(another.snapshot())
+    assert brick.read_int("counter", "u32") == counts[1]
+
+
 def test_a_scalar_without_a_known_type_needs_a_kind() -> None:
     """Without debug information and kind the error tells what to give."""
     with pytest.raises(ImageError, match="give its kind"):
