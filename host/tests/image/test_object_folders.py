@@ -5,8 +5,11 @@
 from __future__ import annotations
 
 import io
+import os
 import re
 import shutil
+import tarfile
+import time
 from pathlib import Path
 
 import pytest
@@ -16,6 +19,7 @@ from verification.support.paths import ROOT
 
 from ravenbrick.image.build import build_image
 from ravenbrick.image.build_settings import Settings
+from ravenbrick.image.object_folders import COMPILED_WITH, same_objects
 from ravenbrick.image.run_time import run_time_library
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.templates import create_project
@@ -71,10 +75,27 @@ def test_a_project_takes_what_another_has_compiled_of_the_drivers(
     assert second == first
     source = drivers / "src" / "display" / "nxt-fonts.ads"
     source.write_text(source.read_text().replace("'a' => (2#00100000#", "'a' => (2#00111000#"))
+    before = time.time() - 10  # units that are compiled in the second of an edit are not kept
+    os.utime(source, (before, before))
     changed, compiled = built(tmp_path / "third")
     assert compiled == {"nxt-fonts", "nxt-last_chance"}
     assert changed != first
     assert not built(tmp_path / "fourth")[1]
+
+
+@pytest.mark.parametrize("record", [None, b"\xff"])
+def test_nothing_comes_from_a_damaged_archive(record: bytes | None, tmp_path: Path) -> None:
+    """One that is no archive, and one whose record is no text."""
+    archive = tmp_path / "objects.tar"
+    archive.write_bytes(b"no archive" * 200)
+    if record is not None:
+        with tarfile.open(archive, "w") as made:
+            for name, content in (("nxt.o", b"object"), (COMPILED_WITH, record)):
+                member = tarfile.TarInfo(name)
+                member.size = len(content)
+                made.addfile(member, io.BytesIO(content))
+    with same_objects(tmp_path / "objects", {}, archive):
+        assert not list((tmp_path / "objects").iterdir())
 
 
 @NEEDS_TOOLCHAIN

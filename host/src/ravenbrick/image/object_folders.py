@@ -78,11 +78,10 @@ def _kept(archive: Path | None, record: str) -> dict[str, tuple[bytes, int]]:
         if archive is not None:
             with tarfile.open(archive, "r:") as members:
                 for member in members:
-                    stream = members.extractfile(member)
-                    assert stream is not None
-                    found[member.name] = (stream.read(), int(member.mtime))
+                    if stream := members.extractfile(member):
+                        found[member.name] = (stream.read(), int(member.mtime))
     made_by, _instant = found.pop(COMPILED_WITH, (b"", 0))
-    return found if made_by.decode() == record else {}
+    return found if made_by == record.encode() else {}
 
 
 def keep_objects(folder: Path, archive: Path | None) -> None:
