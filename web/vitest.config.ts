@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-// Unit tests. The core is built by `make page` only, so that they have another in its place.
+// Unit tests. Only `make page` builds the core, so a stand-in takes its place here.
 import { fileURLToPath } from "node:url";
 import { defineConfig } from "vitest/config";
 

@@ -186,14 +186,8 @@ def test_code_outside_of_jobs_delays_less_urgent_tasks_and_not_its_own(tmp_path:
     assert bounds.keys() == less.keys() and "listener" in bounds
 
 
-REFILL = """[[outside]]
-symbol = "workers__refill"
-task = "listener"
-at_most_cycles = 90_000
-period_us = 1_000
-reason = ""
-
-[[mode]]
+REFILL = OUTSIDE.replace("seldom", "refill").replace('"control"', '"listener"')
+SAME = """[[mode]]
 name = "the same"
 reason = ""
 
@@ -207,7 +201,7 @@ iterations = 40
 @pytest.mark.parametrize("timing", ["nominal", "pessimistic"])
 def test_sections_outside_of_jobs_block_as_those_in_jobs(timing: str, tmp_path: Path) -> None:
     """In each timing profile, and in modes too."""
-    found = changed(tmp_path, "[[loop]]", REFILL + "[[loop]]")
+    found = changed(tmp_path, "[[loop]]", REFILL + SAME + "[[loop]]")
     outside = analysed(found, found.facts, timing)
     inside = analysed(program(), program().facts, timing)
     blocking = [one.tasks[0].blocking for one in (outside, inside)]

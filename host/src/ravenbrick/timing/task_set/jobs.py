@@ -52,7 +52,7 @@ class JobsOfTasks:
     annotations: Annotations
     timing: str
 
-    @property
+    @cached_property
     def bodies(self) -> list[str]:
         """Symbols of the tasks' bodies."""
         return [body_of(self.image, self.facts, task) for task in self.tasks]
