@@ -174,7 +174,7 @@ package body NXT.Telemetry.Server is
    begin
       return Next : Time := First_Release do
          while Next <= Clock loop
-            pragma Annotate (Ravenbrick, Iterations, 250, "log2 (n) ** 2 / 2 with n = an hour / 1 ms");
+            pragma Annotate (Ravenbrick, Iterations, 250, "half of log2 (an hour / 1 ms) ** 2");
             if Step > Period and then Next + Step > Clock then
                Step := Period;
             else

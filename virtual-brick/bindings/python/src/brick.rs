@@ -284,11 +284,8 @@ impl VirtualBrick {
         address: u32,
         length: usize,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self
-            .0
-            .read_memory(address, length)
-            .map_err(raise::<AddressError>)?;
-        Ok(PyBytes::new(py, &bytes))
+        let bytes = self.0.read_memory(address, length);
+        Ok(PyBytes::new(py, &bytes.map_err(raise::<AddressError>)?))
     }
 
     #[pyo3(signature = (name, kind=None))]
