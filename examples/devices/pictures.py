@@ -11,6 +11,7 @@ import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -148,6 +149,7 @@ def image_file(name: str) -> Path:
     return BUILD / "devices" / name / "ram" / f"{name}.elf"
 
 
+@cache
 def build(name: str) -> bytes:
     """The example's image for RAM."""
     gprbuild(HERE / "device.gpr", DEVICE=name)

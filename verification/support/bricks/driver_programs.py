@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 from functools import cache
 
 from verification.support.bricks.programs import gprbuild
@@ -18,8 +17,5 @@ PROJECT = ROOT / "drivers" / "tests" / "test.gpr"
 @cache
 def image_of(name: str, kind: str = "ram") -> bytes:
     """The ELF file of a test program as an image in `kind`, "ram" or "flash"."""
-    options = []
-    if "RAVENBRICK_RTS" not in os.environ:
-        options.append(f"--implicit-with={ROOT / 'tools' / 'run_time.gpr'}")
-    gprbuild(PROJECT, *options, TEST=name, IMAGE=kind)
+    gprbuild(PROJECT, TEST=name, IMAGE=kind)
     return (BUILD / "drivers" / "tests" / name / kind / f"{name}.elf").read_bytes()
