@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from ravenbrick.brick.session import tunables_of
+from ravenbrick.cli.diagram import diagram_of
 from ravenbrick.image.elf import read_image
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.templates import TEMPLATES
@@ -68,6 +69,12 @@ def test_the_generated_files_are_those_of_the_design(example: str, tmp_path: Pat
     for name in names:
         kept = (EXAMPLES / example / "generated" / name).read_text()
         assert (tmp_path / name).read_text() == kept, name
+
+
+@pytest.mark.parametrize("example", DESIGNED)
+def test_the_controller_of_a_design_is_drawn(example: str) -> None:
+    """By the name that the studio's tab Diagram asks for."""
+    assert diagram_of(f"{EXAMPLES / example / 'design.py'}:design").flat().blocks
 
 
 @pytest.mark.parametrize(("example", "scenario"), RUNS)

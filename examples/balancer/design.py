@@ -50,11 +50,11 @@ SUPPLY_VOLTAGE = ROBOT.battery.voltage.value
 
 
 def gains() -> np.ndarray:
-    """State feedback of one motor, shape (5,): V per rad, rad, rad/s, rad/s, rad s."""
+    """State feedback of one motor as generated, shape (5,): V per rad, rad, rad/s, rad/s, rad s."""
     plant = with_integrators(NXTWAY_GS.state_space(), [[1.0, 0.0, 0.0, 0.0]])
     feedback = lqr(plant, STATE_WEIGHTS, INPUT_WEIGHTS)
     scale = np.array([1.0, 1.0, WHEEL_RATE_SHARE, 1.0, 1.0])
-    return np.asarray(feedback.gain[0] * scale)
+    return np.asarray(feedback.gain[0] * scale).round(5)
 
 
 def closed_loops(gain: np.ndarray) -> tuple[control.StateSpace, control.StateSpace]:
@@ -113,14 +113,19 @@ def controller(gain: np.ndarray) -> Diagram:
     return diagram
 
 
+def design() -> Diagram:
+    """The controller as it is generated."""
+    return controller(gains())
+
+
 def main() -> None:
     """Design, generate, and print the figures."""
     parser = argparse.ArgumentParser(description="Design the balancing controller.")
     parser.add_argument("--results", type=Path, help="JSON file for figures and step responses")
     parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="C folder")
     arguments = parser.parse_args()
-    gain = gains().round(5)
-    code = generate_c(controller(gain))
+    gain = gains()
+    code = generate_c(design())
     code.write(arguments.generated)
     numbers = (NamedNumber("Sample_Time_Ms", SAMPLE_TIME_MS, "Period of the balance task, ms."),)
     names = {"motorvoltage": "Motor_Voltage", "bodypitch": "Body_Pitch"}
@@ -136,7 +141,7 @@ def main() -> None:
     if arguments.results:
         loops = closed_loops(gain)
         write_loop_results(
-            arguments.results, "balancer", loops, figures, 10.0, open_loop(gain), controller(gain)
+            arguments.results, "balancer", loops, figures, 10.0, open_loop(gain), design()
         )
     for name, value in figures.items():
         print(f"{name:40} {value:.6g}")

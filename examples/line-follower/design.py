@@ -111,16 +111,26 @@ def controller(gain: float) -> Diagram:
     return diagram
 
 
+def cruise() -> tuple[float, float]:
+    """Speed on a straight, m/s, and the gain for it as generated, V per brightness."""
+    speed = WHEEL_RADIUS * NXT_MOTOR.gain * CRUISE_VOLTAGE
+    gain = round(proportional_gain(speed), 4)
+    return speed, gain
+
+
+def design() -> Diagram:
+    """The controller as it is generated."""
+    return controller(cruise()[1])
+
+
 def main() -> None:
     """Design, generate, and print the figures."""
     parser = argparse.ArgumentParser(description="Design the line follower's steering.")
     parser.add_argument("--results", type=Path, help="JSON file for figures and step responses")
     parser.add_argument("--generated", type=Path, default=PROJECT / "generated", help="C folder")
     arguments = parser.parse_args()
-    speed = WHEEL_RADIUS * NXT_MOTOR.gain * CRUISE_VOLTAGE
-    gain = round(proportional_gain(speed), 4)
-    steering = controller(gain)
-    code = generate_c(steering)
+    speed, gain = cruise()
+    code = generate_c(design())
     code.write(arguments.generated)
     numbers = (
         NamedNumber("Sample_Time_Ms", SAMPLE_TIME_MS, "Period of the control task, ms."),
@@ -137,7 +147,7 @@ def main() -> None:
     if arguments.results:
         opened = open_loop(speed, gain)
         write_loop_results(
-            arguments.results, "line-follower", loops, figures, 3.0, opened, steering
+            arguments.results, "line-follower", loops, figures, 3.0, opened, design()
         )
     for name, value in figures.items():
         print(f"{name:40} {value:.6g}")

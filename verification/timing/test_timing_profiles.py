@@ -1,14 +1,20 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Each example at the ends of the timing that no document specifies: runs and bounds."""
+"""Each example at the ends of the timing that no document specifies, and in all scenarios."""
 
 from __future__ import annotations
 
 import pytest
 
 from verification.built_examples import build_example, ravenbrick
+from verification.support.paths import ROOT
 from verification.timing.examples import EXAMPLES
 
+SCENARIOS = [
+    (example, path.stem)
+    for example in EXAMPLES
+    for path in sorted((ROOT / "examples" / example / "scenarios").glob("*.toml"))
+]
 PROFILES = ("optimistic", "nominal", "pessimistic")
 PEER = "remote-joystick"
 pytestmark = pytest.mark.long("builds, runs and bounds every example")
@@ -41,3 +47,12 @@ def test_bounds_are_above_what_is_seen_and_below_deadlines(example: str, profile
         for kind in ("execution", "response"):
             seen, bound = task["observed"][f"{kind}_cycles"], task[f"{kind}_bound_cycles"]
             assert (seen or 0) <= bound, f"{task['name']}: {kind}"
+
+
+@pytest.mark.parametrize(("example", "scenario"), SCENARIOS)
+def test_no_scenario_contradicts_a_fact(example: str, scenario: str) -> None:
+    """Else `analyse` ends with an error."""
+    build_example(PEER)
+    build_example(example)
+    answer = ravenbrick("analyse", f"examples/{example}", "--scenario", scenario)
+    assert answer["schedulable"]

@@ -81,7 +81,11 @@ def test_a_simulink_model_is_drawn(tmp_path: Path) -> None:
     [
         ("missing.toml", "d.svg", "missing.toml: there is no such file"),
         (DESIGN, "d.png", "expected a file that ends with .svg, .html, .toml"),
-        (DESIGN.replace(":design", ":other"), "d.svg", "name a diagram, such as"),
+        (
+            DESIGN.replace(":design", ":other"),
+            "d.svg",
+            "design.py has no 'other'; expected FILE.py",
+        ),
         (DESIGN.replace(":design", ":PROJECT"), "d.svg", "is no diagram, but PosixPath"),
     ],
 )

@@ -100,7 +100,10 @@ def value_of_program(path: Path, attribute: str, advice: str) -> Any:
 
 def _of_program(path: Path, attribute: str) -> Diagram:
     """A diagram in a Python file, or that of a design."""
-    advice = f"{path}:{attribute}: name a diagram, such as {path}:design"
+    advice = (
+        f"{shown_path(path)} has no '{attribute}'; expected FILE.py:NAME, a diagram, a design, "
+        "or a function without arguments that returns one"
+    )
     value = value_of_program(path, attribute, advice)
     value = getattr(value, "controller", value)
     if not isinstance(value, Diagram):
