@@ -29,6 +29,7 @@ registers! { DBGU_CIDR = 0x40, DBGU_EXID = 0x44 }
 pub(crate) const SPI_BASE: u32 = 0xFFFE_0000;
 const TWI_BASE: u32 = 0xFFFB_8000;
 const AIC_BASE: u32 = 0xFFFF_F000;
+const PIOA_BASE: u32 = 0xFFFF_F400;
 
 /// A peripheral that answers at an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,13 +54,14 @@ pub(crate) enum Peripheral {
     Mc,
 }
 
-/// The peripheral at `address` and the register offset in it. Interrupt controller and two-wire
-/// interface, which running programs access most, are found first.
+/// The peripheral at `address` and the register offset in it. Interrupt controller, two-wire
+/// interface and port, which running programs access most, are found first.
 #[inline]
 pub(crate) fn decode(address: u32) -> Access<(Peripheral, u32)> {
     match address & !0x1FF {
         AIC_BASE => Ok((Peripheral::Aic, address - AIC_BASE)),
         TWI_BASE => Ok((Peripheral::Twi, address - TWI_BASE)),
+        PIOA_BASE => Ok((Peripheral::Pioa, address - PIOA_BASE)),
         _ => decode_any(address),
     }
 }
@@ -87,7 +89,6 @@ fn decode_system(address: u32) -> Access<(Peripheral, u32)> {
     let (peripheral, base) = match address {
         0xFFFF_F000..=0xFFFF_F1FF => (Peripheral::Aic, AIC_BASE),
         0xFFFF_F200..=0xFFFF_F3FF => (Peripheral::Usart(DEBUG_UNIT), 0xFFFF_F200),
-        0xFFFF_F400..=0xFFFF_F5FF => (Peripheral::Pioa, 0xFFFF_F400),
         0xFFFF_FC00..=0xFFFF_FCFF => (Peripheral::Pmc, 0xFFFF_FC00),
         0xFFFF_FD00..=0xFFFF_FD0F => (Peripheral::Rstc, 0xFFFF_FD00),
         0xFFFF_FD20..=0xFFFF_FD2F => (Peripheral::Rtt, 0xFFFF_FD20),

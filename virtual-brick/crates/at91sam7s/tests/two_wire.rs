@@ -4,7 +4,7 @@
 use crate::common::Seen::{TwiRead, TwiStart, TwiStop, TwiWrite};
 use crate::common::{
     bus_log, bus_sequence, cold_chip, read, run_to, running_chip, running_chip_with, try_write,
-    wait_for, write, Seen, TestChip, PIOA, TWI,
+    wait_for, write, Seen, TestChip, AIC, PIOA, TWI,
 };
 use arm7tdmi::bus::Width;
 use at91sam7s::{FaultKind, TimingProfile, TwiStopDecision};
@@ -78,6 +78,22 @@ fn a_nine_byte_frame_takes_92_bits_at_both_usual_clocks() {
         assert_eq!(bus_log(&chip, start), write_frame(&frame, bit));
         assert_eq!(bus_log(&chip, start).last(), Some(&(92 * bit, TwiStop)));
     }
+}
+
+#[test]
+fn taking_the_byte_takes_the_interrupt_back() {
+    let mut chip = two_wire_chip(0x3939);
+    let pending = |chip: &mut TestChip| read(chip, AIC + 0x10C) >> 9 & 1;
+    write(&mut chip, IER, RXRDY);
+    write(&mut chip, MMR, READ_FROM_1);
+    write(&mut chip, CR, START | STOP);
+    assert_eq!(pending(&mut chip), 0);
+    wait_for(&mut chip, SR, RXRDY);
+    let now = chip.now();
+    run_to(&mut chip, now + 10);
+    assert_eq!(pending(&mut chip), 1);
+    read(&mut chip, RHR);
+    assert_eq!(pending(&mut chip), 0);
 }
 
 #[test]

@@ -6,6 +6,8 @@ use super::bus::BlockBus;
 use super::operations::run::{Handler, Op, Run, NO_TARGET};
 
 const NO_BLOCK: u32 = u32::MAX;
+/// More cycles than any budget has.
+const MORE_THAN_BUDGET: u32 = 1 << 31;
 pub(super) const NO_REGION: u32 = u32::MAX;
 
 /// How hot a block is, and its JIT code.
@@ -55,6 +57,9 @@ pub(super) struct Block<B: BlockBus> {
     pub halfwords: u32,
     /// Most cycles it can take.
     pub worst_cycles: u32,
+    /// As many, or more than any budget has where there is more to do than to run its operations:
+    /// it has JIT code, or can find the same state again.
+    pub simply_run_cycles: u32,
     /// Running it again changes nothing, as long as memory stays.
     pub is_idempotent: bool,
     /// Times in a row that its first instruction was left to the reference engine.
@@ -86,16 +91,32 @@ impl<B: BlockBus> Block<B> {
         }
     }
 
+    /// It has no JIT code and has not run lately.
+    pub fn make_cold(&mut self, threshold_runs: u16, entries: u32) {
+        self.jit = JitState::cold(self.jit.halfword, threshold_runs, entries);
+        self.set_code(false);
+    }
+
+    /// Whether it has JIT code that is entered.
+    pub fn set_code(&mut self, has_code: bool) {
+        self.jit.has_code = has_code;
+        self.simply_run_cycles = if has_code || self.is_idempotent {
+            MORE_THAN_BUDGET
+        } else {
+            self.worst_cycles
+        };
+    }
+
     /// Runs the block up to its end or to an exit.
     #[inline(always)]
     pub fn execute(&self, run: &mut Run<'_, B>) {
-        (self.first)(run, &self.ops);
+        (self.first)(run, self.ops.iter());
     }
 
     /// As [`Block::execute`], from the operation of this number on.
     pub fn execute_from(&self, run: &mut Run<'_, B>, number: usize) {
         if let Some(ops) = self.ops.get(number..) {
-            self.handler(number)(run, ops);
+            self.handler(number)(run, ops.iter());
         }
     }
 
@@ -125,7 +146,7 @@ impl<B: BlockBus> Block<B> {
                 return false;
             };
             run.state.next = NO_TARGET | state;
-            handler(run, part);
+            handler(run, part.iter());
             if run.state.next != NO_TARGET | state {
                 return true;
             }

@@ -129,7 +129,7 @@ pub trait BlockBus: Bus {
     fn needs_attention(&self) -> bool;
     /// Cycles in which nothing can act on the processor and `limit` (in the bus's time) is not
     /// reached, as long as the processor accesses only memory. `irq` and `fiq` tell which
-    /// interrupts are not masked.
+    /// interrupts are not masked. Less than 2^31.
     fn cycles_until_event(&self, limit: u64, irq: bool, fiq: bool) -> u32;
     /// Lets cycles of the processor pass in which nothing happens.
     fn pass(&mut self, cycles: u32);

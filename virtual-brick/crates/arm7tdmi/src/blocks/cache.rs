@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use super::block::{Block, JitState};
+use super::block::Block;
 use super::budget::Budget;
 use super::bus::{BlockBus, CodePlace};
 use super::jit::Jit;
@@ -193,10 +193,9 @@ impl<B: BlockBus> Blocks<B> {
         self.lose_code(&numbers);
         for number in numbers {
             if let Some(block) = self.blocks.get_mut(number as usize) {
-                let halfword = block.jit.halfword;
-                block.jit = JitState::cold(halfword, self.threshold_runs, self.entries);
+                block.make_cold(self.threshold_runs, self.entries);
                 if let Some(jit) = &mut self.jit {
-                    jit.invalidate(halfword);
+                    jit.invalidate(block.jit.halfword);
                 }
             }
         }
@@ -220,7 +219,7 @@ impl<B: BlockBus> Blocks<B> {
         }
         self.pending_regions = 0;
         for block in &mut self.blocks {
-            block.jit = JitState::cold(block.jit.halfword, self.threshold_runs, self.entries);
+            block.make_cold(self.threshold_runs, self.entries);
         }
         if let Some(jit) = &mut self.jit {
             jit.invalidate_all();
@@ -251,7 +250,7 @@ impl<B: BlockBus> Blocks<B> {
             return None;
         }
         let mut block = translate(bus, key, place)?;
-        block.jit = JitState::cold(place.halfword, self.threshold_runs, self.entries);
+        block.make_cold(self.threshold_runs, self.entries);
         self.budget.pay_for_decoding(block.ops.len());
         if let Some(number) = slot.checked_sub(1) {
             self.starts[place.halfword as usize] = 0;

@@ -126,7 +126,7 @@ impl<B: BlockBus> Blocks<B> {
             let has_code = jit.install(!numbers.is_empty());
             for &number in numbers {
                 if let Some(block) = self.blocks.get_mut(number as usize) {
-                    block.jit.has_code = has_code;
+                    block.set_code(has_code);
                 }
             }
         }
@@ -216,7 +216,7 @@ impl<B: BlockBus> Blocks<B> {
             let gain = code_cycles.min(LOSS_CYCLES_MAX as u32) as i32 - ENTRY_CYCLES;
             let sum = (i32::from(block.jit.gain_cycles) + gain).min(LOSS_CYCLES_MAX);
             block.jit.gain_cycles = sum as i16;
-            block.jit.has_code = sum > -LOSS_CYCLES_MAX;
+            block.set_code(sum > -LOSS_CYCLES_MAX);
         }
     }
 }

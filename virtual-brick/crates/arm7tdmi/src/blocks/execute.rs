@@ -230,45 +230,33 @@ fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32
     let mut number = first;
     let counted_after = blocks.counted_after_cycles;
     loop {
-        let start_cycles = run.state.cycles;
         let Some(mut block) = blocks.blocks.get_mut(number as usize) else {
             return;
         };
-        let counted = u16::from(start_cycles >= counted_after);
+        let counted = u16::from(run.state.cycles >= counted_after);
         block.jit.runs_left = block.jit.runs_left.wrapping_sub(counted);
-        let mut idle = block.is_idempotent;
-        if block.jit.runs_left != 0
-            && !block.jit.has_code
-            && run.state.cycles + block.worst_cycles <= run.budget
-        {
-            run.worst_cycles = if idle {
-                ENDS_AT_ACCESS
-            } else {
-                block.worst_cycles
-            };
+        if block.jit.runs_left != 0 && run.state.cycles + block.simply_run_cycles <= run.budget {
+            run.worst_cycles = block.worst_cycles;
             block.execute(run);
         } else {
-            let Some(whole) = run_otherwise(run, blocks, &mut number) else {
+            let Some(last) = run_otherwise(run, blocks, number) else {
                 return;
             };
+            number = last;
             block = match blocks.blocks.get_mut(number as usize) {
                 Some(block) => block,
                 None => return,
             };
-            idle = whole && block.is_idempotent;
         }
-        let link = block.link(run.state.next);
-        if run.end == End::Reached {
-            if idle && run.skip_idle_iterations(block, start_cycles) {
-                return;
-            }
-        } else if !run.renew_budget(blocks) {
+        let next = run.state.next;
+        let link = block.link(next);
+        if run.end != End::Reached && !run.renew_budget(blocks) {
             return;
         }
-        number = if blocks.is_valid(link, run.state.next) {
+        number = if blocks.is_valid(link, next) {
             link
         } else {
-            match blocks.successor(run.bus, number, run.state.next, run.memory) {
+            match blocks.successor(run.bus, number, next, run.memory) {
                 Some(found) => found,
                 None => return,
             }
@@ -277,30 +265,29 @@ fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32
 }
 
 /// Runs as much of the block of this number as the budget allows, or its JIT code, or asks the
-/// compiler for it. The number becomes that of the block that ran last. True if its operations ran
-/// from the first on; none when the budget ends.
+/// compiler for it, or skips what would only find the same state again. Number of the block that
+/// ran last; none when the budget ends.
 #[inline(never)]
 fn run_otherwise<B: BlockBus>(
     run: &mut Run<'_, B>,
     blocks: &mut Blocks<B>,
-    number: &mut u32,
-) -> Option<bool> {
-    let budget = run.budget;
+    number: u32,
+) -> Option<u32> {
+    let (budget, start_cycles) = (run.budget, run.state.cycles);
     run.worst_cycles = ENDS_AT_ACCESS;
-    let mut block = blocks.blocks.get_mut(*number as usize)?;
-    if run.state.cycles + block.worst_cycles > budget {
+    let mut block = blocks.blocks.get_mut(number as usize)?;
+    if start_cycles + block.worst_cycles > budget {
         block.jit.runs_left = block.jit.runs_left.max(1);
-        let left = budget - run.state.cycles;
-        return block.run_part(run, left).then_some(true);
+        return block.run_part(run, budget - start_cycles).then_some(number);
     }
     if block.jit.has_code {
-        *number = blocks.run_code(run, *number, budget)?;
-        return Some(false);
+        return blocks.run_code(run, number, budget);
     }
     if block.jit.runs_left == 0 {
-        blocks.poll_compiler(run.bus, *number);
-        block = blocks.blocks.get_mut(*number as usize)?;
+        blocks.poll_compiler(run.bus, number);
+        block = blocks.blocks.get_mut(number as usize)?;
     }
     block.execute(run);
-    Some(true)
+    let idle = block.is_idempotent && run.end == End::Reached;
+    (!idle || !run.skip_idle_iterations(block, start_cycles)).then_some(number)
 }

@@ -33,8 +33,12 @@ impl<B: Board> Chip<B> {
                 Ok(value)
             }
             Peripheral::Twi => {
+                let before = self.peripherals.twi.interrupt();
                 let value = self.peripherals.twi.read(offset)?;
-                self.refresh_twi(self.now);
+                // A read takes flags back and begins nothing on the bus.
+                if self.peripherals.twi.interrupt() != before {
+                    self.refresh_twi(self.now);
+                }
                 Ok(value)
             }
             _ => self.read_other_register(peripheral, offset),

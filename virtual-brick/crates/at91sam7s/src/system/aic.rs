@@ -252,7 +252,7 @@ impl Aic {
             AIC_SVR0..=AIC_SVR31 => self.vector[number_in_row(offset, AIC_SVR0)] = value,
             AIC_IVR => {
                 if self.debug_control & PROT != 0 {
-                    outcome = self.write_vector(now);
+                    return Ok(self.write_vector(now));
                 }
             }
             AIC_FVR..=AIC_CISR => {}

@@ -42,12 +42,21 @@ const REFUSED: TwiReply = TwiReply {
     stretch_cycles: 0,
 };
 const SOUND: u32 = 1 << 17;
+/// Pins whose changes by the chip are followed; others are looked at when they matter.
+const WATCHED: u32 =
+    PORT_LINES | USB_PULL_UP | MODULE_RESET | MODULE_RTS | MODULE_STREAM_WANTED | SOUND;
 /// Direction of port 4's RS485 transceiver: high while the brick drives the line.
 const RS485_DRIVES: u32 = 1 << 7;
 
 impl Board for NxtBoard {
     fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
-        self.outputs = outputs;
+        let before = std::mem::replace(&mut self.outputs, outputs);
+        let changed = outputs.driven ^ before.driven
+            | outputs.level ^ before.level
+            | outputs.pull_up ^ before.pull_up;
+        if changed & WATCHED == 0 {
+            return;
+        }
         let high = |pin: u32| {
             let pulled = outputs.driven & pin == 0 && outputs.pull_up & pin != 0;
             pulled || outputs.driven & outputs.level & pin != 0

@@ -104,11 +104,9 @@ fn conditional_branch_operation<B: BlockBus, const CONDITION: u8>(
 }
 
 /// Skips the next operation unless the condition holds.
-fn skip_unless<B: BlockBus, const CONDITION: u8>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
-    if condition_holds::<B, CONDITION>(run) {
+fn skip_unless<B: BlockBus, const CONDITION: u8>(run: &mut Run<'_, B>, mut ops: Ops<'_, B>) {
+    if condition_holds::<B, CONDITION>(run) || ops.next().is_some() {
         run_next(run, ops);
-    } else if let Some((_, skipped)) = ops.split_first() {
-        run_next(run, skipped);
     }
 }
 

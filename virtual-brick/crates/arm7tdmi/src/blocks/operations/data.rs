@@ -109,16 +109,17 @@ fn data<B: BlockBus, const OPERATION: u8, const KIND: u8, const FLAGS: bool>(
 /// Data processing that sets flags, and the conditional branch behind it.
 fn data_and_branch<B: BlockBus, const OPERATION: u8, const KIND: u8, const CONDITION: u8>(
     run: &mut Run<'_, B>,
-    ops: Ops<'_, B>,
+    mut ops: Ops<'_, B>,
 ) {
-    first!(ops => op);
+    let Some(op) = ops.next() else {
+        return;
+    };
     process::<B, OPERATION, KIND, true, false>(run, op);
-    let behind = &ops[1..];
-    first!(behind => branch);
+    first!(ops => branch);
     if condition_holds::<B, CONDITION>(run) {
         run.branch(branch, branch.value, 0);
     } else {
-        run_next(run, behind);
+        run_next(run, ops);
     }
 }
 

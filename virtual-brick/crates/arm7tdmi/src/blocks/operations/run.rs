@@ -9,7 +9,7 @@ use crate::condition::passes;
 use crate::registers::{psr, RegisterFile};
 
 /// Operations of a block, one behind the other.
-pub(in crate::blocks) type Ops<'a, B> = &'a [Op<B>];
+pub(in crate::blocks) type Ops<'a, B> = std::slice::Iter<'a, Op<B>>;
 
 /// Executes the first of these operations and those behind it; of none, it does nothing.
 pub(in crate::blocks) type Handler<B> = fn(&mut Run<'_, B>, Ops<'_, B>);
@@ -17,7 +17,7 @@ pub(in crate::blocks) type Handler<B> = fn(&mut Run<'_, B>, Ops<'_, B>);
 /// The first of these operations; returns where there is none.
 macro_rules! first {
     ($ops:ident => $op:ident) => {
-        let Some($op) = $ops.first() else {
+        let Some($op) = $ops.as_slice().first() else {
             return;
         };
     };
@@ -158,9 +158,9 @@ pub(in crate::blocks) struct Run<'a, B: BlockBus> {
 
 /// Continues behind the first of these operations. A block's last operation does not call this.
 #[inline(always)]
-pub(in crate::blocks) fn run_next<B: BlockBus>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
-    if let Some((op, behind)) = ops.split_first() {
-        (op.next)(run, behind);
+pub(in crate::blocks) fn run_next<B: BlockBus>(run: &mut Run<'_, B>, mut ops: Ops<'_, B>) {
+    if let Some(op) = ops.next() {
+        (op.next)(run, ops);
     }
 }
 

@@ -69,6 +69,7 @@ pub(in crate::blocks) fn translate<B: BlockBus>(
         key,
         halfwords: covered / 2,
         worst_cycles,
+        simply_run_cycles: worst_cycles,
         is_idempotent: is_idempotent(&source.instructions),
         refusals: 0,
         first,
