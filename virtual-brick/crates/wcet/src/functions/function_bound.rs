@@ -3,6 +3,7 @@
 //! The bounds of one function: time, stack, protected actions, and the path that attains the time.
 
 use crate::elapsed::PathTree;
+use crate::functions::remaining_time::RemainingTimes;
 use crate::inputs::image::Entry;
 use crate::paths::critical_section::CriticalSections;
 use serde::Serialize;
@@ -81,6 +82,8 @@ pub struct FunctionBound {
     pub loops: Vec<LoopBound>,
     /// Longest critical sections (protected actions), here and in all callees.
     pub sections: CriticalSections,
+    /// Longest times from calls of certain functions (`Program::requesting`) to the return.
+    pub remaining: RemainingTimes,
     /// What `cycles` are made of, if that is recorded.
     pub path: Option<Rc<PathTree>>,
     /// Functions that may be executed, where `blocks` do not show it.

@@ -12,6 +12,7 @@ use crate::functions::endless_loop::endless_loop;
 use crate::functions::function_bound::{BoundOrigin, FunctionBound};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
+use crate::functions::remaining_time::RemainingTimes;
 use crate::graph::control_flow::Target;
 use crate::graph::loop_forest::LoopForest;
 use crate::graph::subgraph::Subgraph;
@@ -75,7 +76,7 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
     let waiting: Vec<usize> = found.iter().map(|(block, _)| *block).collect();
     let callees: BTreeSet<Entry> = found.into_iter().flat_map(|(_, called)| called).collect();
     let mut longest: Option<FunctionBound> = None;
-    let mut sections = CriticalSections::new();
+    let (mut sections, mut remaining) = (CriticalSections::new(), RemainingTimes::new());
     let (mut reached, mut inside) = (BTreeSet::new(), BTreeSet::new());
     for block in &waiting {
         for (start, state) in resume_points(program, &summary, *block) {
@@ -85,6 +86,7 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
                 return Ok(TaskBody::Endless(program.image.place(endless.address)));
             }
             merge(&mut sections, &bound.sections);
+            merge(&mut remaining, &bound.remaining);
             collect_functions(&bound, &|_| false, &mut reached);
             let calls = bound.blocks.iter().flat_map(|block| &block.calls);
             let suspends = |entry| program.facts.added_cycles(entry).is_some();
@@ -109,6 +111,7 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
         waits: callees.iter().map(|callee| callee.0).collect(),
         bound: Rc::new(FunctionBound {
             sections,
+            remaining,
             ..longest
         }),
     }))
