@@ -229,7 +229,9 @@ def compared(
     return rows
 
 
-@pytest.mark.parametrize("case", [alternating, interrupted_before, requested_above, requested_by_itself])
+@pytest.mark.parametrize(
+    "case", [alternating, interrupted_before, requested_above, requested_by_itself]
+)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_run_exceeds_a_bound_with_kinds_of_jobs_and_requests(seed: int, case: Case) -> None:
     assert all(seen <= bound <= loose for seen, bound, loose in compared(seed, case=case))

@@ -77,5 +77,5 @@ def test_a_task_that_takes_longer_takes_longer_in_every_part() -> None:
 def test_sections_on_an_object_that_no_task_uses_have_no_scaling() -> None:
     tasks = TaskSet((Task("t", 10, 4, 1, sections=(CriticalSection("used", 2),)),))
     assert largest_section_scaling(tasks, "used").factor == 4
-    with pytest.raises(TaskSetError, match="no task has a section on 'other'; .* on: used"):
+    with pytest.raises(TaskSetError, match=r"no task has a section on 'other'; .* on: used"):
         largest_section_scaling(tasks, "other")

@@ -197,9 +197,7 @@ class Beginning:
                 _at_most(source, most, window.task.period) if source.task.name == name else source
                 for source in sources
             ]
-        return replace(
-            window, sources=tuple(sources), blockings=tuple(blockings) or (NO_BLOCKING,)
-        )
+        return replace(window, sources=tuple(sources), blockings=tuple(blockings) or (NO_BLOCKING,))
 
     def with_kind(self, window: Window, task: Task, kind: JobKind) -> Window:
         """The load that starts with a job of this kind: what comes until the next one, and before

@@ -13,7 +13,15 @@ from __future__ import annotations
 from binascii import crc_hqx
 from collections.abc import Iterator
 
-__all__ = ["CHECK_BYTES", "FRAME_END", "LONGEST_CONTENT", "FrameReader", "frame", "stuff", "unstuff"]
+__all__ = [
+    "CHECK_BYTES",
+    "FRAME_END",
+    "LONGEST_CONTENT",
+    "FrameReader",
+    "frame",
+    "stuff",
+    "unstuff",
+]
 
 LONGEST_CONTENT = 120
 """Bytes of a content; a code block of the stuffing never needs to be split below 254."""

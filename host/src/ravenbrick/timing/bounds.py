@@ -245,8 +245,8 @@ def execution_times(
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
     what it calls. With `graphs`, bounds bring the graphs of their longest paths, with `paths` the
     longest paths by source lines. `requesting` are beginnings of names of functions, of which
-    bounds tell what is `remaining` from a call on. `runs` are sequences of executed instructions, each its address
-    and cycles; their paths come in the same form.
+    bounds tell what is `remaining` from a call on. `runs` are sequences of executed instructions,
+    each its address and cycles; their paths come in the same form.
     With `known_memory`, functions called one after the other and their stack pointer, the last of
     them is bounded as it is, with memory as the image says and written by nothing else, but for
     `inputs`, variables that may then have any content; `known_memory_lines` are the lines it

@@ -17,7 +17,9 @@ fn from_a_request_to_the_end_is_what_runs_last_wherever_the_request_is() {
             return;
         };
         let request = Request {
-            functions: ["late", "inside", "again", "nowhere"].map(str::to_owned).to_vec(),
+            functions: ["late", "inside", "again", "nowhere"]
+                .map(str::to_owned)
+                .to_vec(),
             requesting: vec!["absent_".to_owned(), "device_".to_owned()],
             ..Request::default()
         };
@@ -31,10 +33,19 @@ fn from_a_request_to_the_end_is_what_runs_last_wherever_the_request_is() {
                 continue;
             }
             let rest = answer.remaining[1].expect(symbol);
-            let seen = Machine::new(&elf).call(&format!("{symbol}_rest"), [0; 4]).cycles;
+            let seen = Machine::new(&elf)
+                .call(&format!("{symbol}_rest"), [0; 4])
+                .cycles;
             let range = seen - AROUND..=seen + AROUND;
-            assert!(range.contains(&rest), "{state} {symbol}: {rest}, expected {range:?}");
-            assert!(rest < answer.cycles, "{state} {symbol}: {rest} of {}", answer.cycles);
+            assert!(
+                range.contains(&rest),
+                "{state} {symbol}: {rest}, expected {range:?}"
+            );
+            assert!(
+                rest < answer.cycles,
+                "{state} {symbol}: {rest} of {}",
+                answer.cycles
+            );
         }
     }
 }
