@@ -78,7 +78,7 @@ class Beginning:
     that first arrival ended at its own priority, which it has not in a busy period, so the busy
     period starts after its sections. A job that is no less urgent is over by the start or arrives
     in the busy period, which is no longer than `longest`. What only the job itself requests comes
-    after its request: from the begin of the section in which that is, where nothing more urgent
+    after its request: from the start of the section in which that is, where nothing more urgent
     waits, to the end of the job there is the rest of its execution and what more urgent is released
     meanwhile. Jobs of the same priority wait, as the processor is not given away to them.
     """

@@ -93,12 +93,12 @@ def _terms(analysis: Analysis, timing: TaskTiming) -> dict[str, Any] | None:
 def _task(
     analysis: Analysis,
     timing: TaskTiming,
-    seen: Observed | None,
-    undisturbed: Observed | None,
-    left: Mapping[str, str],
+    observed: tuple[Observed | None, Observed | None],
+    left: Mapping[str, str] | None,
     margins: bool,
 ) -> dict[str, Any]:
-    name = timing.task.name
+    """Of what was `observed`, the second stands beside the bounds of modes."""
+    (seen, undisturbed), name = observed, timing.task.name
     found = analysis.bounds[name]
     bound = _up(found.bound)
     limit, limited_by = longest_execution(analysis, name) if margins else (None, "")
@@ -120,7 +120,7 @@ def _task(
         "terms": _terms(analysis, timing),
         "observed": None if seen is None else dict(vars(seen)),
         "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
-        "modes": [_in_mode(found, name, undisturbed, left) for found in analysis.modes],
+        "modes": [_in_mode(mode, name, undisturbed, left or {}) for mode in analysis.modes],
         "stack_bytes": timing.task.stack_bytes,
         "stack_bound_bytes": timing.stack_bound_bytes,
     }
@@ -206,15 +206,8 @@ def result_of(
         "scaling_limited_by": scaling.limited_by,
         "utilization": float(analysis.task_set.utilization),
         "tasks": [
-            _task(
-                analysis,
-                t,
-                observed.get(t.task.name),
-                in_modes.get(t.task.name),
-                left or {},
-                margins,
-            )
-            for t in order
+            _task(analysis, t, (observed.get(name), in_modes.get(name)), left, margins)
+            for name, t in ((timing.task.name, timing) for timing in order)
         ],
         "interrupts": [
             {

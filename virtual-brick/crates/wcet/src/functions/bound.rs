@@ -9,10 +9,12 @@ use crate::elapsed::{difference, Elapsed, PathTree, UNBOUNDED};
 use crate::error::{Error, MissingBound};
 use crate::functions::effects::{effects, Endless};
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats, Executed};
-use crate::functions::function_bound::{BlockBound, BoundOrigin, FunctionBound, LoopBound};
+use crate::functions::function_bound::{
+    BlockBound, BoundOrigin, FunctionBound, LoopBound, RemainingTimes,
+};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::{Arguments, BoundResult, Program};
-use crate::functions::remaining_time::{remaining_times, RemainingTimes};
+use crate::functions::remaining_time::remaining_times;
 use crate::graph::control_flow::{Block, Target};
 use crate::inputs::image::Entry;
 use crate::loops::abstract_execution::LoopFinding;
@@ -199,8 +201,6 @@ pub fn bound_summary(
             merge(&mut sections, &callee.sections);
         }
     }
-    let remaining = remaining_times(program, &problem, &calls, &charged)?;
-    let stack_bytes = stack_bound(&records, &calls);
     let loops = loop_bounds(summary, &findings, &annotated, &bounds);
     let elapsed = elapsed.filter(|own| own.cycles <= solution.cycles);
     let on_blocks = || path_of(entry, &solution, &costs);
@@ -213,11 +213,11 @@ pub fn bound_summary(
         path_cycles: solution.cycles,
         cycles: elapsed.map_or(solution.cycles, |own| own.cycles),
         path,
-        stack_bytes,
+        stack_bytes: stack_bound(&records, &calls),
         stack_lost: stack_lost(&records, &calls),
         loops,
         sections,
-        remaining,
+        remaining: remaining_times(program, &problem, &calls, &charged)?,
         functions: BTreeSet::new(),
         blocks: block_bounds(summary, &solution, cycles, calls, &records),
     })

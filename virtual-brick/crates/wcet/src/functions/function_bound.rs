@@ -3,12 +3,15 @@
 //! The bounds of one function: time, stack, protected actions, and the path that attains the time.
 
 use crate::elapsed::PathTree;
-use crate::functions::remaining_time::RemainingTimes;
 use crate::inputs::image::Entry;
 use crate::paths::critical_section::CriticalSections;
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+
+/// Longest time in cycles from a call to the end of the caller, by the number of the group of
+/// functions that are called; none where none of them is.
+pub type RemainingTimes = BTreeMap<u32, u64>;
 
 /// Where a loop's bound comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

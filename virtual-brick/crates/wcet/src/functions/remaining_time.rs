@@ -4,16 +4,12 @@
 //! interrupts, which come no sooner.
 
 use crate::error::Error;
-use crate::functions::function_bound::FunctionBound;
+use crate::functions::function_bound::{FunctionBound, RemainingTimes};
 use crate::functions::program::Program;
 use crate::paths::critical_section::{longest_from, merge};
 use crate::paths::longest_path::PathProblem;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::rc::Rc;
-
-/// Longest time in cycles from a call to the end of the caller, by the number of the group of
-/// functions that are called; none where none of them is.
-pub type RemainingTimes = BTreeMap<u32, u64>;
 
 impl Program<'_> {
     /// The groups to which a function belongs.
