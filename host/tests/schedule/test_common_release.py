@@ -17,13 +17,11 @@ from verification.support.timing.random_task_sets import (
     with_sections,
 )
 
+from ravenbrick.schedule.beginning import JobKind, Known, Request
 from ravenbrick.schedule.blocking import blocking_candidates
 from ravenbrick.schedule.demand import Source
 from ravenbrick.schedule.model import NO_OVERHEADS, CriticalSection, Task, TaskSet
 from ravenbrick.schedule.offsets import (
-    JobKind,
-    Known,
-    Request,
     phased_response_time_bound,
     phased_response_time_bounds,
 )
@@ -191,6 +189,28 @@ def requested_above(seed: int) -> tuple[TaskSet, TaskSet, Known]:
     return analysed.with_task(working), analysed, known
 
 
+def requested_by_itself(seed: int) -> tuple[TaskSet, TaskSet, Known]:
+    """A task that makes a device work from some place of its job on, at the release of more urgent
+    tasks or later, beside one of its own priority."""
+    rng = random.Random(seed)
+    wcet, burst = rng.randint(3, 9), rng.randint(2, 5)
+    rest, lasts = rng.randint(1, 2), rng.randint(1, 12)
+    top = Task("top", 20, rng.randint(1, 4), 3, phase=0)
+    middle = Task("middle", 40, rng.randint(1, 5), 2, phase=rng.randint(0, 39))
+    low = Task("low", 160, wcet, 1, phase=rng.randint(0, 39))
+    other = Task("other", 160, rng.randint(1, 5), 1, phase=rng.randint(0, 39))
+    limits = ((Fraction(1, burst), 4, 0),)
+    device = Task("device", 160, burst, 4, release="interrupt", limits=limits)
+    without = TaskSet((top, middle, low, other))
+    until = simulate(without.with_task(replace(low, wcet=wcet - rest)), 160)
+    begin = low.phase + (until.response_time_max("low") or 0)
+    analysed = TaskSet((device, top, middle, low, other))
+    request = Request("device", ("low",), lasts, (("low", rest),))
+    known = replace(plain_responses(analysed), requests=(request,))
+    each = [Task(f"device {n}", 160, 1, 4, phase=begin + 4 * n) for n in range(burst)]
+    return TaskSet((*each, top, middle, low, other)), analysed, known
+
+
 def compared(
     seed: int, without_interrupts: bool = False, case: Case = alternating
 ) -> list[tuple[Time, Time, Time]]:
@@ -209,7 +229,9 @@ def compared(
     return rows
 
 
-@pytest.mark.parametrize("case", [alternating, interrupted_before, requested_above])
+@pytest.mark.parametrize(
+    "case", [alternating, interrupted_before, requested_above, requested_by_itself]
+)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_run_exceeds_a_bound_with_kinds_of_jobs_and_requests(seed: int, case: Case) -> None:
     assert all(seen <= bound <= loose for seen, bound, loose in compared(seed, case=case))
@@ -267,6 +289,26 @@ def test_interrupts_that_a_more_urgent_job_requested_are_left_out_after_it_only(
 
     late = [row for seed in SEEDS for row in compared(seed, case=longer)]
     assert any(seen > bound for seen, bound, _ in late)
+
+
+def test_interrupts_that_a_job_requests_itself_are_left_out_before_its_request_only() -> None:
+    rows = [row for seed in SEEDS for row in compared(seed, case=requested_by_itself)]
+    assert sum(bound < loose for _, bound, loose in rows) > len(rows) // 8
+
+    def sooner(seed: int) -> tuple[TaskSet, TaskSet, Known]:
+        """The device works from the release of the job on."""
+        simulated, analysed, known = requested_by_itself(seed)
+        low = simulated.task("low")
+        early = [
+            replace(task, phase=low.phase + 4 * number)
+            for number, task in enumerate(t for t in simulated if t.name.startswith("device"))
+        ]
+        for task in early:
+            simulated = simulated.with_task(task)
+        return simulated, analysed, known
+
+    early = [row for seed in SEEDS for row in compared(seed, case=sooner)]
+    assert any(seen > bound for seen, bound, _ in early)
 
 
 def test_interrupts_that_a_kind_leaves_out_show_as_a_response_above_the_bound() -> None:

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from ravenbrick.schedule.model import CriticalSection, Frame, Task, TaskSetError
-from ravenbrick.schedule.sensitivity import scaled
+from ravenbrick.schedule.model import CriticalSection, Frame, Task, TaskSet, TaskSetError
+from ravenbrick.schedule.sensitivity import largest_section_scaling, scaled
 
 
 @pytest.mark.parametrize(
@@ -72,3 +72,10 @@ def test_a_task_that_takes_longer_takes_longer_in_every_part() -> None:
     halved = scaled(framed, Fraction(1, 2))
     assert halved.frames == (Frame(2, 9, 8), Frame(1, 10, 9))
     assert (halved.wcet, halved.bcet, halved.period, halved.deadline) == (2, 1, 9, 8)
+
+
+def test_sections_on_an_object_that_no_task_uses_have_no_scaling() -> None:
+    tasks = TaskSet((Task("t", 10, 4, 1, sections=(CriticalSection("used", 2),)),))
+    assert largest_section_scaling(tasks, "used").factor == 4
+    with pytest.raises(TaskSetError, match=r"no task has a section on 'other'; .* on: used"):
+        largest_section_scaling(tasks, "other")

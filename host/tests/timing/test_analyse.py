@@ -486,3 +486,13 @@ def test_a_line_of_the_worst_path_has_its_source_and_the_calls_below_it(
     # The compiler's library has no source here.
     places = {each.place for _, each in control.function.all_lines() if not each.text}
     assert any(re.fullmatch(r"__aeabi_fmul at 0x[0-9a-f]+", place) for place in places), places
+
+
+def test_a_result_without_margins_differs_in_nothing_else(
+    robot: Robot, analysis: Analysis, recording: Recording, result: Result
+) -> None:
+    found = result_of(analysis, observe(robot, recording), margins=False)
+    gone = {"execution_max_cycles": None, "limited_by": "", "smallest_period_us": None}
+    tasks = [{**task, **gone} for task in result["tasks"]]
+    none = {"largest_scaling": None, "scaling_limited_by": ""}
+    assert found == {**result, **none, "tasks": tasks}

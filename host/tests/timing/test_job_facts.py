@@ -37,7 +37,7 @@ from ravenbrick.timing.facts.facts import (
 from ravenbrick.timing.facts.unmatched_facts import check_facts
 from ravenbrick.timing.initial_state import elaborated
 from ravenbrick.timing.observation.fact_counts import fact_counts, latest
-from ravenbrick.timing.observation.job_facts import FactCount, request_counts
+from ravenbrick.timing.observation.job_facts import FactCount, request_counts, rest_counts
 from ravenbrick.timing.observation.observed import check_job_kinds
 from ravenbrick.timing.observation.outside_jobs import outside_count
 from ravenbrick.timing.task_set.alarm import exact_cycles
@@ -155,6 +155,18 @@ def test_interrupts_after_the_job_that_requests_them_is_over_are_told() -> None:
     short = tuple(replace(request, lasts_us=100) for request in facts.requests)
     (found,) = wrong_counts(replace(facts, requests=short))
     assert "[[request]]" in found.fact and "after a job of display_task" in found.excess
+
+
+def test_a_job_executes_no_more_after_its_request_than_the_bound_and_more_is_told() -> None:
+    _, facts, _, analysis, recording = run()
+    (found,) = rest_counts(analysis.requests, facts, recording, since=0)
+    job = next(timing.job for timing in analysis.tasks if timing.task.name == "display_task")
+    assert found.place == "display_task" and not found.excess
+    assert 0 < found.seen <= found.declared < job.cycles / 4
+    rest = tuple((name, found.seen - 1) for name, _ in analysis.requests[0].rest)
+    wrong = [replace(request, rest=rest) for request in analysis.requests]
+    (found,) = rest_counts(wrong, facts, recording, since=0)
+    assert "display_task executes" in found.excess
 
 
 def test_interrupts_that_the_elaboration_requests_are_no_excess() -> None:

@@ -18,14 +18,17 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import read_robot
 from ravenbrick.project.scenario import MonitorWindow, Scenario, read_scenario, scenario_path
 from ravenbrick.project.stimuli import TimedInput
+from ravenbrick.telemetry.frames import LONGEST_CONTENT, FrameReader, frame
 from ravenbrick.timing.observation.long_run import BIN_CYCLES, Spread
 from ravenbrick.timing.observation.worst_case_search import (
     CHATTER,
+    EXCEEDED,
     LINK_PERIOD_US,
     STUCK,
     WORDS,
     WorstSample,
     _aimed,
+    _nearly_wrong,
     _VariantRunner,
 )
 from ravenbrick.trace.recording import Recording
@@ -73,7 +76,8 @@ def test_a_monitor_says_a_word_again_and_again_when_its_input_tells_it(word: int
 
 
 def test_the_link_is_lost_before_the_longest_job_or_a_release_of_its_task_in_it() -> None:
-    """A job of two periods of the link has three such releases, and each is met by some variant."""
+    """A job of two periods of the link has three such releases, and two come while the picture that
+    it shows is sent; each is met by some variant."""
     us = MASTER_CLOCK.cycles_of_us
     kept = TimedInput(5, "touch.1", 1.0)
     sample = WorstSample("t", 2 * us(LINK_PERIOD_US) + 7, 0, (kept,), us(50_000))
@@ -86,7 +90,21 @@ def test_the_link_is_lost_before_the_longest_job_or_a_release_of_its_task_in_it(
         assert 0 < late < us(200)
         assert us(1_600) <= back.at_cycles - late - held.at_cycles < us(1_950)
         met.add(number)
-    assert met == {0, 1, 2}
+    assert met == {0, 1, 2, 3, 4}
+
+
+def test_the_longest_word_is_as_long_as_a_frame_that_the_reader_takes() -> None:
+    """One byte more, and the reader drops it before the end without a look at its check value."""
+    longest = frame(bytes(LONGEST_CONTENT))
+    assert max(len(word) for word in WORDS) == len(longest)
+    reader = FrameReader()
+    assert list(reader.feed(WORDS[0])) == [] and list(reader.feed(longest)) != []
+
+
+def test_facts_of_modes_are_told_apart_by_their_numbers() -> None:
+    counts = [{"most": 3, "arrivals": []}, {"most": 5, "arrivals": [1, 2]}]
+    assert _nearly_wrong({1: counts[1]}) == {"fact 1": (5, 0), f"fact 1{EXCEEDED}": (2, 0)}
+    assert _nearly_wrong(dict(enumerate(counts)))["fact 0"] == (3, 0)
 
 
 def test_a_spread_has_the_values_of_all_pieces() -> None:

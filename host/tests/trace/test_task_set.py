@@ -115,3 +115,7 @@ def test_a_task_set_that_differs_is_refused_by_its_field(robot: Robot) -> None:
     with pytest.raises(ProjectFileError, match=r"period_us: is 2000, but .* has 4000"):
         check_task_set(robot, slow)
     check_task_set(robot, slow, whole=False)
+    names = [task.name for task in tasks]
+    check_task_set(robot, slow, outside=names)
+    with pytest.raises(ProjectFileError, match=r"period_us: is 2000, but .* has 4000"):
+        check_task_set(robot, slow, outside=names[1:])

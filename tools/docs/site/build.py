@@ -76,7 +76,7 @@ def prepare(folder: Path) -> None:
             raise RuntimeError(f"{folder}: {word} failed:\n{done.stdout}{done.stderr}")
     image = read_image(workspace.image("ram", read_robot(folder).name))
     if not own_bounds(workspace.results / BOUNDS, image):
-        _ravenbrick("analyse", folder)
+        _ravenbrick("analyse", folder, "--no-margins")
 
 
 def _session(

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -96,13 +96,14 @@ def _recording(
     scenario: Scenario,
     image: ElfImage,
     target: VirtualTarget,
+    outside: Collection[str],
     reporter: Reporter,
 ) -> Recording:
     with reporter.step(f"run '{scenario.name}'") as step:
         recording = run_scenario(workspace, robot, scenario, image, target, step.progress)
         step.note = f"{recording.clock.seconds(recording.stop.at_cycles):.1f} s of the brick"
     check_survival(scenario, recording)
-    check_task_set(robot, recording)
+    check_task_set(robot, recording, outside=outside)
     return recording
 
 
@@ -161,7 +162,7 @@ def _search(
                 target=target,
                 transfer_cycles=transfer_cycles,
                 outside=outside,
-                facts_counted=sum(not fact.mode for fact in analysis.counted),
+                facts_counted=[n for n, fact in enumerate(analysis.counted) if not fact.mode],
             )
         worst = found.worst
         faultless, exceeded = found.undisturbed, found.exceeded
@@ -335,6 +336,9 @@ def analyse_command(
         ),
     ] = 0.0,
     timing_profile: TimingProfileOption = TimingProfile.NOMINAL,
+    margins: Annotated[
+        bool, typer.Option(help="Margins of execution times and periods, half of the effort.")
+    ] = True,
     json_output: JsonOption = False,
 ) -> dict[str, Any]:
     workspace = Workspace.of(directory)
@@ -349,7 +353,7 @@ def analyse_command(
         analysis = analyse(robot, elf, brick, facts, timing_profile.value)
         effort = {"seconds": round(process_time() - begin, 1), "text_bytes": elf.size_of("text")}
     target = _target(timing_profile, analysis)
-    recording = _recording(workspace, robot, chosen, elf, target, reporter)
+    recording = _recording(workspace, robot, chosen, elf, target, analysis.outside, reporter)
     wanted = (search_variants, hours, STOLEN_CYCLES[timing_profile.value])
     found = _search(robot, chosen, elf, analysis, recording, wanted, target, reporter)
     counts, left = _check_facts(robot, facts, elf, analysis, recording, found, wanted[2])
@@ -360,7 +364,9 @@ def analyse_command(
         "scenario": chosen.name,
         "image_sha256": elf.digest,
         "effort": effort,
-        **result_of(analysis, found.seen, found.undisturbed, used_stacks(recording), left),
+        **result_of(
+            analysis, found.seen, found.undisturbed, used_stacks(recording), left, margins=margins
+        ),
         "chains": [_chain_result(chain, loop) for chain in chains],
         "facts": [count.plain() for count in counts],
         **found.more,

@@ -22,6 +22,7 @@ from ravenbrick.image.memory import MemoryReport
 from ravenbrick.project.robot import ROBOT_FILE, Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.workspace import BuildKind, Workspace
+from ravenbrick.timing.facts.facts import read_facts
 from ravenbrick.timing.results.bounds_file import own_bounds
 from ravenbrick.trace.design import Design, read_design
 from ravenbrick.trace.measures import check_survival, evaluate_criteria, measure_run
@@ -123,7 +124,8 @@ def read_run(robot: Robot, scenario: Scenario, recording: Recording, *, whole: b
     Raises `RunFaultError`, `ScenarioError`, `ProjectFileError`.
     """
     check_survival(scenario, recording)
-    check_task_set(robot, recording, whole=whole)
+    outside = {load.task for load in read_facts(robot).outside_loads}
+    check_task_set(robot, recording, whole=whole, outside=outside)
     measures = measure_run(robot, scenario, recording)
     criteria = evaluate_criteria(scenario, measures)
     return Run(robot, scenario, recording, measures, criteria)

@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 
-from ravenbrick.schedule.blocking import NO_BLOCKING, Blocking
+from ravenbrick.schedule.beginning import Beginning, Known, LeftOut
 from ravenbrick.schedule.demand import (
     STEP_LIMIT,
     AnalysisLimitError,
@@ -29,9 +28,6 @@ from ravenbrick.schedule.response_time import (
 from ravenbrick.schedule.whole_times import common_denominator, multiplied
 
 __all__ = [
-    "JobKind",
-    "Known",
-    "Request",
     "phased_response_time_bound",
     "phased_response_time_bounds",
     "synchronous_bound",
@@ -39,41 +35,6 @@ __all__ = [
 
 # Starts of busy periods for which less urgent tasks are looked at.
 LONGEST_REPETITION = 10_000
-
-
-@dataclass(frozen=True)
-class Request:
-    """Jobs of `source` come only from a release of one of the tasks until `lasts` after the end of
-    that job."""
-
-    source: str
-    tasks: tuple[str, ...]
-    lasts: Time = 0
-
-
-@dataclass(frozen=True)
-class JobKind:
-    """Jobs of a task that take at most `wcet` and after whose release, until the next one, at most
-    this many jobs of each source come (parts of one where a job is a burst)."""
-
-    wcet: Time
-    most: tuple[tuple[str, Time], ...] = ()
-
-
-@dataclass(frozen=True)
-class Known:
-    """What is known besides the phases when a busy period starts.
-
-    `responses` are bounds of response times, which tell when a job of a less urgent task is over.
-    `blocking` is the longest blocking of a task by less urgent ones without those of the first
-    names, and without the sections in jobs of the second ones, which end outside of sections; None
-    takes the sections of the task set. Each job of a task in `kinds` is of one of its kinds.
-    """
-
-    responses: Mapping[str, Time | None]
-    requests: tuple[Request, ...] = ()
-    blocking: Callable[[Task, frozenset[str], frozenset[str]], Time] | None = None
-    kinds: Mapping[str, tuple[JobKind, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -205,113 +166,6 @@ def _begins(window: Window, repetition: Time) -> list[Time]:
     return sorted(found)
 
 
-LeftOut = tuple[frozenset[str], frozenset[str], frozenset[str]]
-"""Less urgent tasks that are over by the start, sources of interrupts that none requests, and less
-urgent tasks that are over by the first phased arrival."""
-
-
-class _Beginning:
-    """What can be under way when a busy period of `window.task` starts.
-
-    It starts with the first arrival of a phased task of at least this priority (`begin`, which is
-    after the longest jitter) or before it with an arrival of one without a phase. That lead is at
-    most the time in which blocking and all without a phase are served. A less urgent task runs
-    before the start or not at all, but for the section that blocks; since the clock releases in the
-    order of arrivals, it arrived before the tasks that start the busy period. A job that is over by
-    that first arrival ended at its own priority, which it has not in a busy period, so the busy
-    period starts after its sections. A job that is no less urgent is over by the start or arrives
-    in the busy period, which is no longer than `longest`.
-    """
-
-    def __init__(
-        self, window: Window, tasks: Iterable[Task], known: Known, longest: Time | None
-    ) -> None:
-        self._window, self._known, self._longest = window, known, longest
-        self._met = {source.task.name: source.task for source in window.sources}
-        self._windows: dict[LeftOut, Window] = {}
-        self._tasks = {task.name: task for task in tasks}
-        self._clock = window.clock.overheads.clock_resolution
-        phased = [source.jitter for source in window.sources if source.task.phase is not None]
-        self._jitter = max([window.jitter, *phased])
-        self._earliest = self._lead(window) + self._jitter
-
-    @staticmethod
-    def _lead(window: Window) -> Time:
-        """Time in which blocking and all without a phase are served."""
-        without = tuple(source for source in window.sources if source.task.phase is None)
-        own = window.own if window.task.phase is None else 0
-        alone = replace(window, sources=without)
-        return alone.completion(own, 1) if without or own or window.blocking.time else 0
-
-    def _over(self, name: str, begin: Time, before: Time) -> bool:
-        """Is each job of a less urgent task that arrived before `begin` over so long before it?"""
-        task, response = self._tasks.get(name), self._known.responses.get(name)
-        if task is None or task.phase is None or response is None:
-            return False
-        if task.priority >= self._window.task.priority:
-            return False
-        latest = ceiling(begin - self._clock - task.phase, task.period) - 1
-        return task.phase + latest * task.period + response <= begin - before
-
-    def _passed(self, name: str, begin: Time, before: Time) -> bool:
-        """Is each job of a task that is no less urgent over so long before `begin`, or does it
-        arrive after the busy period?"""
-        task, response = self._met.get(name), self._known.responses.get(name)
-        if task is None or task.phase is None or response is None or self._longest is None:
-            return False
-        following = task.phase + ceiling(begin - task.phase, task.period) * task.period
-        over = following - task.period + response
-        return over <= begin - before and following >= begin + self._longest
-
-    def _done(self, name: str, begin: Time, before: Time) -> bool:
-        """Does no job of a task request anything from so long before `begin` on?"""
-        is_over = self._passed if name in self._met else self._over
-        return is_over(name, begin, before)
-
-    def left_out(self, begin: Time) -> LeftOut:
-        """What cannot be met at this start."""
-        earliest = self._earliest
-        absent = frozenset(name for name in self._tasks if self._over(name, begin, earliest))
-        ended = frozenset(name for name in self._tasks if self._over(name, begin, self._jitter))
-        over = frozenset(
-            request.source
-            for request in self._known.requests
-            if all(self._done(name, begin, earliest + request.lasts) for name in request.tasks)
-        )
-        return absent, over, ended - absent
-
-    def window(self, left_out: LeftOut) -> Window:
-        """The load without that."""
-        if left_out not in self._windows:
-            self._windows[left_out] = self._without(*left_out)
-        return self._windows[left_out]
-
-    def _without(
-        self, absent: frozenset[str], over: frozenset[str], ended: frozenset[str]
-    ) -> Window:
-        window, known = self._window, self._known
-        blockings = [b for b in window.blockings if b.task not in absent]
-        if known.blocking is not None:
-            blockings = [Blocking(known.blocking(window.task, absent, ended), "stated")]
-        sources = tuple(source for source in window.sources if source.task.name not in over)
-        return replace(window, sources=sources, blockings=tuple(blockings) or (NO_BLOCKING,))
-
-    def with_kind(self, candidate: _Candidate, task: Task, kind: JobKind) -> _Candidate:
-        """The load that starts with a job of this kind: what comes until the next one, and before
-        the start from the job before. What is over is not met in this lead either."""
-        most, found = dict(kind.most), []
-        lead = self._lead(candidate.window)
-        for source in candidate.window.sources:
-            if source.task.name == task.name:
-                source = replace(source, execution=kind.wcet)
-            elif source.task.name in most:
-                share = most[source.task.name] + source.work(lead)[0]
-                limits = (*source.task.limits, (share, task.period + source.jitter, 0))
-                source = replace(source, task=replace(source.task, limits=limits))
-            found.append(source)
-        return replace(candidate, window=replace(candidate.window, sources=tuple(found)))
-
-
 class _Signatures:
     """Tells starts of busy periods apart by what is met in them: what is left out, and the releases
     of phased tasks within the longest busy period, from the start on. Starts with the same one have
@@ -340,7 +194,7 @@ class _Signatures:
 Worst = tuple[tuple[Time, int, Time], _Candidate]
 
 
-def _worst_of_kinds(worst: Worst, beginning: _Beginning, known: Known) -> Worst:
+def _worst_of_kinds(worst: Worst, beginning: Beginning, known: Known) -> Worst:
     """The worst job, kind by kind, if the start is a release of a task with kinds and none of them
     makes the busy period last until its next one, which is no later than the next of the own."""
     candidate = worst[1]
@@ -352,7 +206,8 @@ def _worst_of_kinds(worst: Worst, beginning: _Beginning, known: Known) -> Worst:
             continue
         each: list[Worst] = []
         for kind in kinds:
-            chosen = beginning.with_kind(candidate, task, kind)
+            window = beginning.with_kind(candidate.window, task, kind)
+            chosen = replace(candidate, window=window)
             found = chosen.worst(STEP_LIMIT)
             if found is not None and found[2] <= task.period - source.jitter:
                 each.append((found, chosen))
@@ -383,7 +238,7 @@ def _worst_terms(
     jobs_at_most = int(window.repetition // task.period) + 1 if window.utilization == 1 else None
     worst: Worst | None = None
     seen: set[tuple[object, ...]] = set()
-    beginning = _Beginning(window, lower, known, longest)
+    beginning = Beginning(window, lower, known, longest)
     signatures = None if longest is None else _Signatures(window, longest)
     for begin in _begins(window, repetition):
         left_out = beginning.left_out(begin)

@@ -218,13 +218,19 @@ def largest_section_scaling(
     """Largest factor on all sections on one object with which all deadlines are met, exactly.
 
     Each user's execution time and each blocking that contains such a section grow with it. The
-    factor is `largest_scaling`'s for these parts (the slack of an operation in MAST).
+    factor is `largest_scaling`'s for these parts (the slack of an operation in MAST). Raises
+    `TaskSetError` for an object on which no task has a section.
     """
     parts = {
         task.name: time_on(task.sections, resource)
         for task in task_set
         if any(section.resource == resource for section in task.sections)
     }
+    if not parts:
+        known = sorted({section.resource for task in task_set for section in task.sections})
+        raise TaskSetError(
+            f"no task has a section on '{resource}'; sections are on: {', '.join(known) or 'none'}"
+        )
     return _limit(task_set, parts, overheads, resource)
 
 

@@ -13,16 +13,24 @@ from __future__ import annotations
 from binascii import crc_hqx
 from collections.abc import Iterator
 
-__all__ = ["FRAME_END", "LONGEST_CONTENT", "FrameReader", "frame", "stuff", "unstuff"]
+__all__ = [
+    "CHECK_BYTES",
+    "FRAME_END",
+    "LONGEST_CONTENT",
+    "FrameReader",
+    "frame",
+    "stuff",
+    "unstuff",
+]
 
 LONGEST_CONTENT = 120
 """Bytes of a content; a code block of the stuffing never needs to be split below 254."""
 
 FRAME_END = b"\0"
 
-_CHECK_BYTES = 2
+CHECK_BYTES = 2
 _CHECK_START = 0xFFFF
-_LONGEST_CODED = LONGEST_CONTENT + _CHECK_BYTES + 1
+_LONGEST_CODED = LONGEST_CONTENT + CHECK_BYTES + 1
 _LONGEST_BLOCK = 0xFF
 
 
@@ -57,7 +65,7 @@ def frame(content: bytes) -> bytes:
     """The bytes that carry a content of 1 to `LONGEST_CONTENT` bytes."""
     if not 1 <= len(content) <= LONGEST_CONTENT:
         raise ValueError(f"a frame holds 1 to {LONGEST_CONTENT} bytes, not {len(content)}")
-    check = crc_hqx(content, _CHECK_START).to_bytes(_CHECK_BYTES, "little")
+    check = crc_hqx(content, _CHECK_START).to_bytes(CHECK_BYTES, "little")
     return stuff(content + check) + FRAME_END
 
 
@@ -97,10 +105,10 @@ class FrameReader:
         if not coded:
             return None
         data = None if overrun else unstuff(coded)
-        if data is None or len(data) <= _CHECK_BYTES:
+        if data is None or len(data) <= CHECK_BYTES:
             self.damaged += 1
             return None
-        content, check = data[:-_CHECK_BYTES], data[-_CHECK_BYTES:]
+        content, check = data[:-CHECK_BYTES], data[-CHECK_BYTES:]
         if crc_hqx(content, _CHECK_START) != int.from_bytes(check, "little"):
             self.damaged += 1
             return None

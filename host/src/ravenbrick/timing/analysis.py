@@ -17,8 +17,8 @@ from typing import Any
 
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot, Task
+from ravenbrick.schedule.beginning import Request
 from ravenbrick.schedule.model import Overheads, TaskSet
-from ravenbrick.schedule.offsets import Request
 from ravenbrick.schedule.response_time import ResponseTimeBound
 from ravenbrick.timing.bounds import (
     Bound,

@@ -51,7 +51,8 @@ class Bound:
     all functions that may be executed, `reached_inside` those that a job calls before it waits for
     its next release in one of `released_by`. What runs in the background has no cycles, nor has a
     task that stays in a loop for ever without a wait, at the line `endless`. `stack_lost` and
-    `stack_gap` are those of `StackBound`.
+    `stack_gap` are those of `StackBound`. `remaining` are, for each beginning of a name that was
+    asked for, the most cycles from a call of such a function to the end, None where none is called.
     """
 
     symbol: str
@@ -67,6 +68,7 @@ class Bound:
     path: dict[str, Any] | None = None
     stack_lost: str | None = None
     stack_gap: str | None = None
+    remaining: tuple[int | None, ...] = ()
 
     def longest_critical_section(self, above_urgency: int) -> int:
         """Longest critical section above an urgency, in cycles."""
@@ -171,6 +173,7 @@ def _bound(answer: dict[str, Any]) -> Bound:
         answer["endless"],
         answer["path"],
         answer["stack_lost"] or None,
+        remaining=tuple(answer["remaining"]),
     )
 
 
@@ -226,6 +229,7 @@ def execution_times(
     callees: Sequence[str] = (),
     graphs: bool = False,
     paths: bool = False,
+    requesting: Sequence[str] = (),
     runs: Sequence[Sequence[tuple[int, int]]] = (),
     known_memory: tuple[Sequence[str], int] | None = None,
     inputs: Sequence[str | dict[str, Any]] = (),
@@ -240,8 +244,9 @@ def execution_times(
 
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
     what it calls. With `graphs`, bounds bring the graphs of their longest paths, with `paths` the
-    longest paths by source lines. `runs` are sequences of executed instructions, each its address
-    and cycles; their paths come in the same form.
+    longest paths by source lines. `requesting` are beginnings of names of functions, of which
+    bounds tell what is `remaining` from a call on. `runs` are sequences of executed instructions,
+    each its address and cycles; their paths come in the same form.
     With `known_memory`, functions called one after the other and their stack pointer, the last of
     them is bounded as it is, with memory as the image says and written by nothing else, but for
     `inputs`, variables that may then have any content; `known_memory_lines` are the lines it
@@ -264,6 +269,7 @@ def execution_times(
         "callees": list(callees),
         "graphs": graphs,
         "paths": paths,
+        "requesting": list(requesting),
         "runs": runs,
     }
     if known_memory is not None:

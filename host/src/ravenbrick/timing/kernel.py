@@ -30,6 +30,7 @@ __all__ = [
     "INTERRUPT",
     "SUSPEND",
     "WAITING",
+    "YIELD",
     "InterruptCost",
     "Services",
     "entry_exit_cycles",

@@ -11,6 +11,7 @@ mod flow_facts;
 mod interworking;
 mod loop_forms;
 mod refusals;
+mod requests;
 mod soundness;
 mod stacks;
 mod support;

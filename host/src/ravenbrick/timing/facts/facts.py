@@ -136,14 +136,19 @@ class Chain:
 
 @dataclass(frozen=True)
 class RequestedInterrupts:
-    """Interrupts of a source come only from the release of a job that calls the library unit `unit`
-    until `lasts_us` after its end."""
+    """Interrupts of a source come only from a job's call of the library unit `unit` until
+    `lasts_us` after its end."""
 
     source: int
     unit: str
     lasts_us: int
     reason: str
     file: str = TIMING_FILE
+
+    @property
+    def begin(self) -> str:
+        """How symbols of the unit begin."""
+        return f"{self.unit.lower().replace('.', '__')}__"
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
-from ravenbrick.schedule.offsets import Request
+from ravenbrick.schedule.beginning import Request
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts.counted_facts import CountedFact
 from ravenbrick.timing.facts.facts import Facts, InterruptLoad
@@ -24,6 +24,7 @@ from ravenbrick.timing.observation.job_facts import (
     FactCount,
     have_deadline,
     request_counts,
+    rest_counts,
     together_counts,
 )
 from ravenbrick.trace.interrupts import source_name
@@ -277,6 +278,7 @@ def fact_counts(
         *_rates(run, facts, image, recording),
         *together_counts(robot, facts, recording),
         *request_counts(requests, facts, recording, run.since),
+        *rest_counts(requests, facts, recording, run.since),
         *_suspensions(run, facts, recording),
     ]
 

@@ -15,17 +15,19 @@ from numpy.typing import NDArray
 
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot, Task
-from ravenbrick.schedule.offsets import Request
+from ravenbrick.schedule.beginning import Request
 from ravenbrick.timing.facts.facts import SOURCE_NUMBERS, Facts
 from ravenbrick.timing.initial_state import ENVIRONMENT
+from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
 from ravenbrick.trace.recording import EventKind, Recording
-from ravenbrick.trace.schedule import all_jobs, jobs_of
+from ravenbrick.trace.schedule import all_jobs, jobs_of, stretches
 
 __all__ = [
     "TOLERANCE_CYCLES",
     "FactCount",
     "have_deadline",
     "request_counts",
+    "rest_counts",
     "together_counts",
 ]
 
@@ -139,4 +141,50 @@ def request_counts(
             excess = f"declared {stated.lasts_us} us, seen {seen} us after a job of {names} {when}"
         fact = f'{stated.file}: [[request]] source = "{request.source}"'
         found.append(FactCount(fact, request.source, stated.lasts_us, seen, excess))
+    return found
+
+
+def _executed(recording: Recording, thread: int, at: Cycles) -> Cycles:
+    """How long a thread has had the processor, at these instants."""
+    every = stretches(recording)
+    mine = every.owner == thread
+    begin, length = every.begin[mine], (every.end - every.begin)[mine]
+    before = np.concatenate(([0], np.cumsum(length)))
+    place = np.searchsorted(begin, at, side="right")
+    latest = np.maximum(place - 1, 0)
+    into = np.where(place > 0, np.minimum(at - begin[latest], length[latest]), 0)
+    return np.asarray(before[latest] + into, np.int64)
+
+
+def rest_counts(
+    requests: Sequence[Request], facts: Facts, recording: Recording, since: int
+) -> list[FactCount]:
+    """What jobs execute at most from the first interrupt that they requested to their end, beside
+    the bound of that. Jobs so soon after the one before that it may have requested it are left out;
+    so are the transfers of the data controller, by one cycle each."""
+    entered = recording.of_kind(EventKind.INTERRUPT_ENTERED)
+    found = []
+    for request in requests:
+        source = SOURCE_NUMBERS.get(request.source)
+        stated = next((fact for fact in facts.requests if fact.source == source), None)
+        at = entered["at_cycles"][entered["subject"] == source].astype(np.int64)
+        if stated is None or not at.size:
+            continue
+        for task, most in request.rest:
+            release, end = np.array(_spans(recording, task), np.int64).reshape(-1, 2).T
+            over = np.concatenate(([0], end[:-1])) + int(request.lasts)
+            first = at[np.minimum(np.searchsorted(at, release), at.size - 1)]
+            chosen = (release >= max(since, 1)) & (over < release)
+            chosen &= (release <= first) & (first < end) & (end <= recording.stop.at_cycles)
+            thread = recording.thread_index(task)
+            begin, end = first[chosen], end[chosen]
+            own = _executed(recording, thread, end) - _executed(recording, thread, begin)
+            own -= interruption_cycles(recording, thread, begin, end)
+            own -= stolen_cycles(recording, thread, begin, end, 1)
+            seen, excess = int(own.max(initial=0)), ""
+            if seen > most:
+                when = f"at {begin[int(own.argmax())] / CLOCK_HZ:.6f} s"
+                excess = f"{task} executes {seen} cycles after it, not {most} at most, {when}"
+            fact = f'{stated.file}: [[request]] source = "{request.source}"'
+            found.append(FactCount(fact, task, int(most), seen, excess))
     return found

@@ -25,7 +25,7 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import MonitorWindow, Scenario
 from ravenbrick.project.stimuli import TimedInput
-from ravenbrick.telemetry.frames import FRAME_END, LONGEST_CONTENT, frame, stuff
+from ravenbrick.telemetry.frames import CHECK_BYTES, FRAME_END, LONGEST_CONTENT, frame, stuff
 from ravenbrick.telemetry.messages import Ask, KeepAlive, SetParameter, encode
 from ravenbrick.timing.observation.job_facts import have_deadline
 from ravenbrick.timing.observation.long_run import cyclic_begin
@@ -57,7 +57,7 @@ CHATTER = "monitor.chatter"
 CHATTER_BYTES = 256
 NOT_A_NUMBER = SetParameter(0, math.nan)
 WORDS = (
-    stuff(bytes(range(1, 1 + LONGEST_CONTENT))) + FRAME_END,
+    stuff(bytes(range(1, 1 + LONGEST_CONTENT + CHECK_BYTES))) + FRAME_END,
     *(frame(encode(message)) for message in (KeepAlive(), NOT_A_NUMBER, Ask())),
 )
 CHATTERS = 0.7
@@ -65,6 +65,8 @@ CHATTERS = 0.7
 AFTER_LOSS_US = (22_000, 0)
 # A transfer of the link's task runs for some 300 us from 1.9 ms before the next one is due.
 LINK_PERIOD_US = 2_000
+# A picture is sent for so long after the job that shows it.
+PICTURE_US = 4_000
 HELD_BEFORE_US, HELD_AFTER_US = (1_600, 1_950), 200
 
 
@@ -157,9 +159,10 @@ def _aimed(
     sample: WorstSample, after_us: int, end: int, rng: random.Random
 ) -> tuple[TimedInput, ...]:
     """The inputs of a sample, and the bus held so that the link is lost this long before its
-    longest job, or before a later release of the link's task in it."""
+    longest job, or before a later release of the link's task in it or while a picture is sent."""
     period = MASTER_CLOCK.cycles_of_us(LINK_PERIOD_US)
-    met = sample.release_cycles + period * rng.randrange(1 + sample.response_cycles // period)
+    busy = sample.response_cycles + MASTER_CLOCK.cycles_of_us(PICTURE_US)
+    met = sample.release_cycles + period * rng.randrange(1 + busy // period)
     lost = met - MASTER_CLOCK.cycles_of_us(after_us)
     begin = lost - MASTER_CLOCK.cycles_of_us(rng.randrange(*HELD_BEFORE_US))
     back = lost + MASTER_CLOCK.cycles_of_us(rng.randrange(1, HELD_AFTER_US))
@@ -274,13 +277,13 @@ def _keep(worst: dict[str, WorstSample], found: Longest, variant: int, inputs: A
             worst[name] = WorstSample(name, response, variant, inputs, release)
 
 
-def _nearly_wrong(counts: Sequence[dict[str, Any]]) -> Longest:
+def _nearly_wrong(counts: Mapping[int, dict[str, Any]]) -> Longest:
     """What a search for wrong facts raises: most executions, and then how often they are too
-    many."""
-    most = {f"fact {number}": (int(count["most"]), 0) for number, count in enumerate(counts)}
+    many; by the number of the fact."""
+    most = {f"fact {number}": (int(count["most"]), 0) for number, count in counts.items()}
     wrong = {
         f"fact {number}{EXCEEDED}": (len(count["arrivals"]), 0)
-        for number, count in enumerate(counts)
+        for number, count in counts.items()
         if count["arrivals"]
     }
     return most | wrong
@@ -296,12 +299,12 @@ def search_worst_case(
     target: VirtualTarget | None = None,
     transfer_cycles: int = 1,
     outside: Collection[str] = (),
-    facts_counted: int | None = None,
+    facts_counted: Collection[int] | None = None,
 ) -> WorstCaseSearch:
     """Play variants of a scenario and keep, for each task, those with its longest responses, and
     for each fact that the target counts the one with the most. Tasks in `outside` have jobs
-    without a deadline, which are left out; of what is counted only the first `facts_counted` facts
-    hold in every variant."""
+    without a deadline, which are left out; of what is counted only the facts with the numbers
+    `facts_counted` hold in every variant (default: all)."""
     rng = random.Random(seed)
     runner = _VariantRunner(robot, scenario, image, target or VirtualTarget(), outside)
     original = scenario.timed_inputs()
@@ -329,7 +332,8 @@ def search_worst_case(
         responses, counts = runner.play(inputs)
         unvaried = unvaried or {name: longest for name, (longest, _) in responses.items()}
         _keep(worst, responses, variant, inputs)
-        _keep(facts, _nearly_wrong(counts[:facts_counted]), variant, inputs)
+        held = {n: c for n, c in enumerate(counts) if facts_counted is None or n in facts_counted}
+        _keep(facts, _nearly_wrong(held), variant, inputs)
         if not disturbed:
             _keep(undisturbed, responses, variant, inputs)
         progress((variant + 1) / rounds)

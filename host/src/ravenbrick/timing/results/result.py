@@ -10,6 +10,7 @@ from typing import Any
 
 from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.schedule.demand import window_of
+from ravenbrick.schedule.sensitivity import ScalingLimit
 from ravenbrick.timing.analysis import Analysis, ModeBounds
 from ravenbrick.timing.bounds import recursion_words
 from ravenbrick.timing.initial_state import ENVIRONMENT
@@ -92,15 +93,16 @@ def _terms(analysis: Analysis, timing: TaskTiming) -> dict[str, Any] | None:
 def _task(
     analysis: Analysis,
     timing: TaskTiming,
-    seen: Observed | None,
-    undisturbed: Observed | None,
-    left: Mapping[str, str],
+    observed: tuple[Observed | None, Observed | None],
+    left: Mapping[str, str] | None,
+    margins: bool,
 ) -> dict[str, Any]:
-    name = timing.task.name
+    """Of what was `observed`, the second stands beside the bounds of modes."""
+    (seen, undisturbed), name = observed, timing.task.name
     found = analysis.bounds[name]
     bound = _up(found.bound)
-    limit, limited_by = longest_execution(analysis, name)
-    fastest = smallest_period(analysis, name)
+    limit, limited_by = longest_execution(analysis, name) if margins else (None, "")
+    fastest = smallest_period(analysis, name) if margins else None
     return {
         "name": name,
         "priority": timing.task.priority,
@@ -118,7 +120,7 @@ def _task(
         "terms": _terms(analysis, timing),
         "observed": None if seen is None else dict(vars(seen)),
         "ratio": None if seen is None or bound is None else ratio(bound, seen.response_cycles),
-        "modes": [_in_mode(found, name, undisturbed, left) for found in analysis.modes],
+        "modes": [_in_mode(mode, name, undisturbed, left or {}) for mode in analysis.modes],
         "stack_bytes": timing.task.stack_bytes,
         "stack_bound_bytes": timing.stack_bound_bytes,
     }
@@ -180,14 +182,17 @@ def result_of(
     undisturbed: dict[str, Observed] | None = None,
     used_stacks: Mapping[str, int] | None = None,
     left: Mapping[str, str] | None = None,
+    *,
+    margins: bool = True,
 ) -> dict[str, Any]:
     """The result as data; times in cycles unless the name says otherwise.
 
     `undisturbed` stands beside the bounds of modes, where it is not `observed`; `used_stacks` are
     what the run used of each stack, by thread; `left` says of modes where the runs leave them.
+    Without `margins`, how far execution times and periods may change is None.
     """
     in_modes = observed if undisturbed is None else undisturbed
-    scaling = largest_scaling(analysis)
+    scaling = largest_scaling(analysis) if margins else ScalingLimit(None, "")
     factor = scaling.factor
     stacks = stacks_of(analysis, used_stacks)
     order = sorted(analysis.tasks, key=lambda timing: -timing.task.priority)
@@ -201,8 +206,8 @@ def result_of(
         "scaling_limited_by": scaling.limited_by,
         "utilization": float(analysis.task_set.utilization),
         "tasks": [
-            _task(analysis, t, observed.get(t.task.name), in_modes.get(t.task.name), left or {})
-            for t in order
+            _task(analysis, t, (observed.get(name), in_modes.get(name)), left, margins)
+            for name, t in ((timing.task.name, timing) for timing in order)
         ],
         "interrupts": [
             {

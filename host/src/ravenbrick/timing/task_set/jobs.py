@@ -68,7 +68,12 @@ class JobsOfTasks:
     ) -> tuple[Bound, ...]:
         known = [*self.annotations, self.facts.of_jobs, *more]
         return execution_times(
-            self.image.content, jobs=questions, annotations=known, timing=self.timing, paths=paths
+            self.image.content,
+            jobs=questions,
+            annotations=known,
+            timing=self.timing,
+            paths=paths,
+            requesting=[request.begin for request in self.facts.requests],
         ).jobs
 
     def bounds(self, more: Annotations = (), paths: bool = False) -> Jobs:

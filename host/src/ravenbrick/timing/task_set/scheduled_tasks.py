@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from ravenbrick.project.robot import Task
+from ravenbrick.schedule.beginning import JobKind, Known, Request
 from ravenbrick.schedule.model import Overheads, TaskSet
 from ravenbrick.schedule.model import Task as ScheduledTask
-from ravenbrick.schedule.offsets import JobKind, Known, Request, phased_response_time_bound
+from ravenbrick.schedule.offsets import phased_response_time_bound
 from ravenbrick.schedule.quantity import exact
 from ravenbrick.schedule.response_time import (
     ResponseTimeBound,
@@ -21,7 +22,14 @@ from ravenbrick.schedule.response_time import (
 )
 from ravenbrick.timing.bounds import Bound
 from ravenbrick.timing.facts.facts import Facts, KindOfJob
-from ravenbrick.timing.kernel import DELAY_UNTIL, ENTRY_CALL, SUSPEND, InterruptCost, Services
+from ravenbrick.timing.kernel import (
+    DELAY_UNTIL,
+    ENTRY_CALL,
+    SUSPEND,
+    YIELD,
+    InterruptCost,
+    Services,
+)
 from ravenbrick.timing.task_set.alarm import AlarmCosts, exact_cycles
 from ravenbrick.timing.task_set.background import Background
 from ravenbrick.timing.task_set.interrupt_blocking import InterruptBlocking
@@ -384,19 +392,32 @@ def requests_of(
 ) -> tuple[Request, ...]:
     """Who requests interrupts; left out where a handler of another source may request them too."""
     found = []
-    for fact in facts.requests:
-        begin = f"{fact.unit.lower().replace('.', '__')}__"
+    for number, fact in enumerate(facts.requests):
 
-        def calls(bound: Bound, begin: str = begin) -> bool:
+        def calls(bound: Bound, begin: str = fact.begin) -> bool:
             return any(symbol.startswith(begin) for symbol in bound.reached)
 
         others = (cost.body for cost in costs if cost.handler.source != fact.source)
         tasks = tuple(task.name for task, job in jobs if calls(job))
         if tasks and not any(calls(body) for body in others):
-            lasts = exact_cycles(fact.lasts_us)
-            found.append(Request(source_name(fact.source), tasks, lasts))
-            found.append(Request(f"{source_name(fact.source)} transfers", tasks, lasts))
+            name, lasts = source_name(fact.source), exact_cycles(fact.lasts_us)
+            rest = tuple(
+                (task.name, remaining + job.longest_critical_section(2 * task.priority))
+                for task, job in jobs
+                if (remaining := _remaining(facts, task, job, number)) is not None
+            )
+            found += [Request(each, tasks, lasts, rest) for each in (name, f"{name} transfers")]
     return tuple(found)
+
+
+def _remaining(facts: Facts, task: Task, job: Bound, request: int) -> int | None:
+    """Most cycles of a job from its first request to its end; None for a task that may request
+    otherwise too, or that lets others of its priority run."""
+    found = job.remaining[request] if job.remaining else None
+    otherwise = task.release != "cyclic" or facts.outside_of(task.name) or YIELD in job.reached
+    if found is None or otherwise:
+        return None
+    return min(found, job.cycles)
 
 
 def phased_in_jobs(

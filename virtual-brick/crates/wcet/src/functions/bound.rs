@@ -9,9 +9,12 @@ use crate::elapsed::{difference, Elapsed, PathTree, UNBOUNDED};
 use crate::error::{Error, MissingBound};
 use crate::functions::effects::{effects, Endless};
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats, Executed};
-use crate::functions::function_bound::{BlockBound, BoundOrigin, FunctionBound, LoopBound};
+use crate::functions::function_bound::{
+    BlockBound, BoundOrigin, FunctionBound, LoopBound, RemainingTimes,
+};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::{Arguments, BoundResult, Program};
+use crate::functions::remaining_time::remaining_times;
 use crate::graph::control_flow::{Block, Target};
 use crate::inputs::image::Entry;
 use crate::loops::abstract_execution::LoopFinding;
@@ -75,7 +78,9 @@ impl Program<'_> {
             None => bound?,
         };
         let cycles = self.facts.call_cycles(entry, bound.cycles);
+        let more = cycles.saturating_sub(bound.cycles);
         let mut bound = FunctionBound { cycles, ..bound };
+        bound.remaining.values_mut().for_each(|rest| *rest += more);
         if let Some(path) = bound.path.as_mut().map(Rc::make_mut) {
             path.difference += difference(cycles, path.cycles());
         }
@@ -110,6 +115,7 @@ pub fn inner_recursive_call(entry: Entry) -> FunctionBound {
         blocks: Vec::new(),
         loops: Vec::new(),
         sections: CriticalSections::new(),
+        remaining: RemainingTimes::new(),
         path: None,
         functions: BTreeSet::new(),
     }
@@ -123,6 +129,7 @@ fn context_bound(program: &Program<'_>, entry: Entry, cycles: u64) -> Result<Fun
         stack_bytes: found.stack_bytes,
         stack_lost: found.stack_lost,
         sections: found.sections,
+        remaining: program.remaining_in_any(&found.functions, cycles),
         functions: found.functions,
         ..inner_recursive_call(entry)
     })
@@ -130,8 +137,10 @@ fn context_bound(program: &Program<'_>, entry: Entry, cycles: u64) -> Result<Fun
 
 /// A recursive function from one activation.
 pub fn bound_recursive(one: FunctionBound, calls: u64, depth: u32) -> FunctionBound {
+    let cycles = one.cycles.saturating_mul(calls);
     FunctionBound {
-        cycles: one.cycles.saturating_mul(calls),
+        cycles,
+        remaining: one.remaining.keys().map(|group| (*group, cycles)).collect(),
         path: one.path.map(|path| {
             let mut all = PathTree::new(path.entry);
             all.add(&path, calls);
@@ -157,7 +166,7 @@ pub fn bound_summary(
     } = execute(program, entry, summary, state);
     let annotated = summary.limits_within(&[entry]);
     let (calls, never_returning) = callee_bounds(program, summary, &records)?;
-    let mut costs = Vec::new();
+    let (mut costs, mut charged) = (Vec::new(), Vec::new());
     for (index, block) in flow.blocks.iter().enumerate() {
         let call = longest_call(&calls[index], &records[index], program.paths_recorded);
         let mut edges = edge_costs(block, &summary.costs[index], &records[index], &call);
@@ -167,6 +176,7 @@ pub fn bound_summary(
             }
         }
         costs.push(edges);
+        charged.push(call.cycles);
     }
     let cycles = costs.iter().map(|edges| edges.iter().map(edge_cycles));
     let cycles: Vec<Vec<_>> = cycles.map(Iterator::collect).collect();
@@ -191,7 +201,6 @@ pub fn bound_summary(
             merge(&mut sections, &callee.sections);
         }
     }
-    let stack_bytes = stack_bound(&records, &calls);
     let loops = loop_bounds(summary, &findings, &annotated, &bounds);
     let elapsed = elapsed.filter(|own| own.cycles <= solution.cycles);
     let on_blocks = || path_of(entry, &solution, &costs);
@@ -204,10 +213,11 @@ pub fn bound_summary(
         path_cycles: solution.cycles,
         cycles: elapsed.map_or(solution.cycles, |own| own.cycles),
         path,
-        stack_bytes,
+        stack_bytes: stack_bound(&records, &calls),
         stack_lost: stack_lost(&records, &calls),
         loops,
         sections,
+        remaining: remaining_times(program, &problem, &calls, &charged)?,
         functions: BTreeSet::new(),
         blocks: block_bounds(summary, &solution, cycles, calls, &records),
     })

@@ -6,8 +6,12 @@ use crate::elapsed::PathTree;
 use crate::inputs::image::Entry;
 use crate::paths::critical_section::CriticalSections;
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+
+/// Longest time in cycles from a call to the end of the caller, by the number of the group of
+/// functions that are called; none where none of them is.
+pub type RemainingTimes = BTreeMap<u32, u64>;
 
 /// Where a loop's bound comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -81,6 +85,8 @@ pub struct FunctionBound {
     pub loops: Vec<LoopBound>,
     /// Longest critical sections (protected actions), here and in all callees.
     pub sections: CriticalSections,
+    /// Longest times from calls of certain functions (`Program::requesting`) to the return.
+    pub remaining: RemainingTimes,
     /// What `cycles` are made of, if that is recorded.
     pub path: Option<Rc<PathTree>>,
     /// Functions that may be executed, where `blocks` do not show it.

@@ -10,4 +10,5 @@ pub mod execution;
 pub mod function_bound;
 pub mod function_summary;
 pub mod program;
+pub mod remaining_time;
 pub mod summary;

@@ -35,6 +35,8 @@ pub struct Program<'a> {
     pub(crate) memory_known: bool,
     /// Bounds tell the path that attains them.
     pub(crate) paths_recorded: bool,
+    /// Beginnings of names of functions, from whose calls to the end bounds tell the time.
+    pub(crate) requesting: Vec<String>,
     pub(super) summaries: RefCell<BTreeMap<Entry, Rc<FunctionSummary>>>,
     pub(super) bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, BoundResult>>>,
     /// Functions whose summary is being computed, each with the place of its call.
@@ -62,6 +64,7 @@ impl<'a> Program<'a> {
             facts: Facts::new(image, map, annotations)?,
             memory_known: false,
             paths_recorded: false,
+            requesting: Vec::new(),
             summaries: RefCell::default(),
             bounds: RefCell::default(),
             summarising: RefCell::default(),

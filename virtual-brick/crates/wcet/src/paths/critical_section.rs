@@ -48,14 +48,14 @@ fn entries(function: &PathProblem<'_>, inside: impl Fn(usize) -> bool) -> Vec<us
     (0..function.flow.blocks.len()).filter(is_entry).collect()
 }
 
-/// Longest path within a part of the function that begins at `start`, perhaps amid a loop.
-fn longest_from(
+/// Longest path within a part of a function that begins at `start`, perhaps amid a loop.
+pub fn longest_from(
     function: &PathProblem<'_>,
     start: usize,
     inside: impl Fn(usize) -> bool,
 ) -> Result<u64, Error> {
     let part = Subgraph::new(function.flow, start, inside, |_, _| true);
-    let missing = || Error::Input("a loop within a protected action has no bound".into());
+    let missing = || Error::Input("a loop in a part of a function has no bound".into());
     let ReducibleGraph {
         flow,
         forest,
@@ -97,7 +97,7 @@ fn header_executions(function: &PathProblem<'_>, found: &Loop, origin: &[usize])
     }
 }
 
-/// The longer of both for each urgency; a section at an urgency is one at every lower.
+/// The longer of both for each number; a section at an urgency is one at every lower.
 pub fn merge(sections: &mut CriticalSections, more: &CriticalSections) {
     for (urgency, cycles) in more {
         let known = sections.entry(*urgency).or_insert(0);

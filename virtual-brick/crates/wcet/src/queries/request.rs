@@ -58,6 +58,9 @@ pub struct Request {
     pub graphs: bool,
     /// Worst paths of functions and jobs are wanted too.
     pub paths: bool,
+    /// Beginnings of names of functions: for each, the longest time from a call of such a function
+    /// to the end of the caller is wanted too.
+    pub requesting: Vec<String>,
     /// Runs whose paths are wanted in the form of worst paths: address and cycles of each
     /// instruction.
     pub runs: Vec<Vec<(u32, u64)>>,
@@ -100,6 +103,8 @@ pub struct Answer {
     pub stack_lost: Option<String>,
     /// Longest critical sections: urgency, cycles.
     pub critical_sections: Vec<(u32, u64)>,
+    /// For each of the wanted beginnings, cycles from a call to the end; none where none is called.
+    pub remaining: Vec<Option<u64>>,
     /// All functions that may be executed.
     pub reached: Vec<String>,
     /// Those of a job without the calls in which the task waits for its next release.
@@ -221,6 +226,10 @@ impl Answer {
             stack_bytes,
             stack_lost: lost_at(program, stack_bytes, stack_lost),
             critical_sections: bound.sections.iter().map(|(u, c)| (*u, *c)).collect(),
+            remaining: (0..)
+                .zip(&program.requesting)
+                .map(|(group, _)| bound.remaining.get(&group).copied())
+                .collect(),
             reached: names(program, &seen),
             report: Some(Report::of_bound(program, symbol, bound, bound.cycles)),
             graph: with_graph.then(|| PathGraph::new(program, bound)),
@@ -371,6 +380,7 @@ impl Request {
         }
         let mut program = Program::new(&image, map, &annotations)?;
         program.paths_recorded = self.paths;
+        program.requesting.clone_from(&self.requesting);
         let mut response = Response {
             timing: map.name.clone(),
             return_cycles: program.return_cycles()?,

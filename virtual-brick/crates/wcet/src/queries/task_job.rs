@@ -9,7 +9,7 @@ use crate::error::{Error, Place};
 use crate::functions::bound::bound_summary;
 use crate::functions::effects::{collect_functions, effects, Endless};
 use crate::functions::endless_loop::endless_loop;
-use crate::functions::function_bound::{BoundOrigin, FunctionBound};
+use crate::functions::function_bound::{BoundOrigin, FunctionBound, RemainingTimes};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
 use crate::graph::control_flow::Target;
@@ -75,7 +75,7 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
     let waiting: Vec<usize> = found.iter().map(|(block, _)| *block).collect();
     let callees: BTreeSet<Entry> = found.into_iter().flat_map(|(_, called)| called).collect();
     let mut longest: Option<FunctionBound> = None;
-    let mut sections = CriticalSections::new();
+    let (mut sections, mut remaining) = (CriticalSections::new(), RemainingTimes::new());
     let (mut reached, mut inside) = (BTreeSet::new(), BTreeSet::new());
     for block in &waiting {
         for (start, state) in resume_points(program, &summary, *block) {
@@ -85,6 +85,7 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
                 return Ok(TaskBody::Endless(program.image.place(endless.address)));
             }
             merge(&mut sections, &bound.sections);
+            merge(&mut remaining, &bound.remaining);
             collect_functions(&bound, &|_| false, &mut reached);
             let calls = bound.blocks.iter().flat_map(|block| &block.calls);
             let suspends = |entry| program.facts.added_cycles(entry).is_some();
@@ -109,6 +110,7 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
         waits: callees.iter().map(|callee| callee.0).collect(),
         bound: Rc::new(FunctionBound {
             sections,
+            remaining,
             ..longest
         }),
     }))
