@@ -79,8 +79,11 @@ def show_lessons(app: Any, docname: str, source: list[str]) -> None:
         link = f'## Slides\n\n<p><a href="../slides/{name}.html">Slides to show and print</a></p>\n'
         source[0] = source[0].replace("## Slides\n", link)
     if docname == "index" and FOR_LECTURERS:
-        source[0] += "\n```{toctree}\n:maxdepth: 1\n:caption: For the lecturer\n:glob:\n"
-        source[0] += "teaching/*\n```\n"
+        # Before the students' pages, with the syllabus first.
+        own = "```{toctree}\n:maxdepth: 1\n:caption: For the lecturer\n:glob:\nteaching/index\n"
+        own += "teaching/syllabus\nteaching/[0-9]*\n```\n\n"
+        first = source[0].index("```{toctree}")
+        source[0] = source[0][:first] + own + source[0][first:]
 
 
 def setup(app: Any) -> None:

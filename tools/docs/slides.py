@@ -32,7 +32,8 @@ h1 { font-size: 7vmin; margin-top: 25vh } h2 { font-size: 5vmin; margin: 0 0 3vm
 li { margin: .4em 0 }
 section:not(:has(img, pre, table)) { font-size: 150% }
 section:not(:has(img, pre, table)) > footer { font-size: 40% }
-img { max-width: 100%; max-height: 58vh; display: block; margin: 2vmin auto }
+img { width: 100%; height: auto; max-height: 55vh; object-fit: contain; display: block;
+      margin: 2vmin auto }
 pre { font-size: 70%; background: #f3f3f1; padding: 2vmin; white-space: pre-wrap }
 table { border-collapse: collapse } td, th { border: 1px solid #999; padding: .3em .8em }
 @media print { html { font-size: 5mm } section { height: 143mm; min-height: 0; border: 0;

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from verification.support.paths import ROOT
 from verification.support.recordings import preempted
 from verification.support.submissions import RUBRIC
 
@@ -80,3 +81,24 @@ def test_the_judge_starts_without_the_plant_models() -> None:
     words = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     loaded = {name.split(".")[0] for name in words.stdout.split()}
     assert "ravenbrick" in loaded and not loaded & {"scipy", "control", "matplotlib", "jsonschema"}
+
+
+def test_a_floor_is_read_without_a_library_of_plots() -> None:
+    """Matplotlib loads in a third of a second, the library of pictures in a tenth of that."""
+    program = """
+import sys
+from pathlib import Path
+from ravenbrick.brick.configuration import brick_configuration
+from ravenbrick.clock import MASTER_CLOCK
+from ravenbrick.project.robot import read_robot
+from ravenbrick.project.scenario import read_scenario, scenario_path
+folder = Path(sys.argv[1])
+robot = read_robot(folder)
+scenario = read_scenario(scenario_path(folder, "lap"), robot)
+print(len(brick_configuration(robot, scenario, MASTER_CLOCK)["surroundings"]["floor"]))
+print(*sys.modules)
+"""
+    words = [sys.executable, "-c", program, str(ROOT / "examples" / "line-follower")]
+    done = subprocess.run(words, capture_output=True, text=True)
+    loaded = {name.split(".")[0] for name in done.stdout.split()}
+    assert "PIL" in loaded and not loaded & {"scipy", "matplotlib"}, done.stderr

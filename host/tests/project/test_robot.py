@@ -8,7 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
+from PIL import Image
 
 from ravenbrick.brick.configuration import brick_configuration
 from ravenbrick.catalogue import SensorKind, part_values, parts, sensor_kinds
@@ -211,11 +213,24 @@ def test_a_sensor_that_cannot_measure_is_named(
     assert problem in caught.value.sentence
 
 
-def test_floor_walls_and_mounts_reach_the_brick(project: Path, edit: Edit) -> None:
-    """The picture becomes reflectances in 1/255, row by row from the top."""
-    import matplotlib.image
-
-    matplotlib.image.imsave(project / "floor.png", [[0.0, 1.0], [1.0, 0.0]], cmap="gray")
+@pytest.mark.parametrize(
+    ("pixels", "reflectance"),
+    [
+        (np.array([[0, 255], [20, 0]], np.uint8), [0, 255, 20, 0]),
+        (np.array([[0, 65535], [20 * 257, 257]], np.uint16), [0, 255, 20, 1]),
+        (
+            np.array([[[9, 9, 9], [255, 255, 255]], [[0, 20, 40], [0, 0, 0]]], np.uint8),
+            [9, 255, 20, 0],
+        ),
+        (np.array([[[9, 9, 9, 0], [1, 1, 1, 9]]] * 2, np.uint8), [9, 1, 9, 1]),
+    ],
+    ids=["grey", "grey of 16 bits", "colours", "transparent"],
+)
+def test_floor_walls_and_mounts_reach_the_brick(
+    project: Path, edit: Edit, pixels: np.ndarray, reflectance: list[int]
+) -> None:
+    """The picture becomes reflectances in 1/255, row by row from the top; colours, their mean."""
+    Image.fromarray(pixels).save(project / "floor.png")
     sensor = 'device = "light"\nmount = { x = 0.1, y = 0.02 }'
     edit("robot.toml", SENSORS, f"[ports.1]\n{sensor}")
     pixel = '{ value = 0.01, unit = "m", tolerance = 0.0, source = "test" }'
@@ -232,7 +247,7 @@ def test_floor_walls_and_mounts_reach_the_brick(project: Path, edit: Edit) -> No
             "pixel": 0.01,
             "corner": [-1.0, 2],
             "width": 2,
-            "reflectance": [0, 255, 255, 0],
+            "reflectance": reflectance,
             "outside": 1.0,
         },
         "walls": [{"from": [0, 1], "to": [2, 1]}],

@@ -55,16 +55,18 @@ def _sensor(sensor: SensorPort) -> dict[str, Any]:
 
 def _floor(robot: Robot, floor: Floor) -> dict[str, Any]:
     """The picture in 1/255 of reflectance; raises `ProjectFileError` when it cannot be read."""
-    from matplotlib.image import imread  # slow to load, and few robots have a floor
+    from PIL import Image  # slow to load, and few robots have a floor
 
     try:
-        picture = np.asarray(imread(floor.image))
+        with Image.open(floor.image) as picture:
+            # 16 bits of grey are a mode of their own, which `convert` would cut off at 255.
+            if picture.mode.startswith("I"):
+                grey = np.asarray(picture) / 257
+            else:
+                grey = np.asarray(picture.convert("RGB")).mean(axis=2)
     except (OSError, SyntaxError, ValueError) as error:
         problem = f"'{floor.image}' cannot be read as a picture ({error}); save it as PNG"
         raise robot.document.error(("floor", "image"), problem) from None
-    grey = picture if picture.ndim == 2 else picture[..., :3].mean(axis=2)
-    if np.issubdtype(picture.dtype, np.floating):
-        grey = grey * 255
     return {
         "pixel": floor.pixel.value,
         "corner": list(floor.corner),
