@@ -153,7 +153,7 @@ fn a_thread_without_a_name_has_that_of_the_object_that_holds_it() {
 fn guarded_stop(function: &str) -> (StopReason, String) {
     let fields = VEHICLE.replacen('{', r#"{"guards_threads": true, "#, 1);
     let configuration = Configuration::from_json(&fields).unwrap();
-    let elf = elf(1, 7).function(function, RAM).build();
+    let elf = elf(1, 7).symbol(function, RAM, 0x400, true, true).build();
     let mut brick = VirtualBrick::new(&configuration, &elf).unwrap();
     let stop = brick.run_until(2_000);
     (stop.reason, stop.message)
