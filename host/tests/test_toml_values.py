@@ -14,7 +14,8 @@ from ravenbrick.toml_values import PARTS_MAX, toml_values
 
 def test_keys_of_some_parts_are_read() -> None:
     """Bare and quoted ones, and dots that are in no key."""
-    text = f'{"a." * (PARTS_MAX - 2)}b = 1\n"c.d"."e" = "{"and so on ... " * 100}"\nf = [{"1.5, " * 100}]\n'
+    text = f'{"a." * (PARTS_MAX - 2)}b = 1\n"c.d"."e" = "{"and so on ... " * 100}"\n'
+    text += f"f = [{'1.5, ' * 100}]\n"
     values = toml_values(text)
     assert values == tomllib.loads(text) and values["c.d"]["e"].startswith("and")
 

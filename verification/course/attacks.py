@@ -109,7 +109,7 @@ def _late(hides: str) -> Callable[[Path, Place], object]:
     c = f"{hides}\nvoid late(void) {{ hide(); for (volatile int i = 0; i < 120000; i++); }}\n"
     late = 'procedure Late with Import, Convention => C, External_Name => "late";\n'
     text = TASKS.replace("package body Tasks is\n", f"package body Tasks is\n   {late}")
-    text = text.replace("            Presses.Add;\n", "            Presses.Add;\n            Late;\n")
+    text = re.sub(r"( +)Presses\.Add;\n", r"\g<0>\1Late;\n", text)
     return lambda path, place: write_submission(path, text, **{"extra.c": c})
 
 
@@ -310,7 +310,7 @@ COMPILER = [
     Attack("debug-noise", "debug information that is none", _c("__asm__(\"" + "".join(
         f".section .debug_{name},\\\"\\\",%progbits\\n.fill 4000,1,0xff\\n"
         for name in ("info", "abbrev", "line", "frame")) + ".text\");\n"), "", 99),
-    Attack("long-line", "an error of 19,000 letters", _c(f"#error {'x' * 19_000}\n"), "xxx"),
+    Attack("long-line", "an error of 19,000 letters", _c(f"#error {'y' * 19_000}\n"), "yyy"),
     Attack("own-project", "its own project file, Makefile, robot.toml", _own_project, "", 99),
 ]  # fmt: skip
 FILES = [
@@ -337,7 +337,7 @@ FILES = [
     Attack("deep", "400 folders deep", _deep, "deep"),
     Attack("many-files", "12,000 files", _many_files, "more than"),
     Attack("bad-names", "names that are not UTF-8", _bad_name, "", 99),
-    Attack("many-entries", "300,000 names in an archive of 18 MB", _many_entries, "more than 10000"),
+    Attack("many-entries", "300,000 names in 18 MB", _many_entries, "more than 10000"),
     Attack("zip-doubles", "names twice, as another case, folder or system writes them", _zip_of(
         ("src/tasks.adb", "no"), ("src/Tasks.adb", "no"), ("SRC/tasks.adb", "no"),
         ("zz\\src\\tasks.adb", "no"), ("src/t\u0430sks.adb", "no"),

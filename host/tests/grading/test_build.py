@@ -72,7 +72,7 @@ def test_a_message_is_cut_and_names_no_folder_of_the_grader(
     """Of one endless line, in which names of folders would be looked for again and again."""
     said = f"{tree()}/drivers/src/nxt.ads:1:1: error: {'x' * 20_000}"
     sandbox = Sandbox(monkeypatch, Outcome(0, "", b"objects"), Outcome(4, said, b""))
-    with pytest.raises(SubmissionError, match="^drivers/src/nxt.ads:1:1: x{900,1000}$"):
+    with pytest.raises(SubmissionError, match=r"^drivers/src/nxt\.ads:1:1: x{900,1000}$"):
         sandbox.image(tmp_path)
 
 

@@ -121,7 +121,9 @@ def test_variables_and_home_are_its_own(name: str, monkeypatch: pytest.MonkeyPat
 @pytest.mark.skipif(os.cpu_count() == 1, reason="one processor has one thread anyway")
 def test_linear_algebra_takes_one_thread() -> None:
     """More would count as processes, of which a sandbox has few, and take others' processors."""
-    program = "import numpy, os; numpy.eye(500) @ numpy.eye(500); print(os.listdir('/proc/self/task'))"
+    program = (
+        "import numpy, os\nnumpy.eye(500) @ numpy.eye(500)\nprint(os.listdir('/proc/self/task'))"
+    )
     bounds = Bounds(20, 2_000, 10)
     outcome = run_isolated(isolation_named(TRUST), [sys.executable, "-c", program], bounds)
     assert outcome.code == 0, outcome.output

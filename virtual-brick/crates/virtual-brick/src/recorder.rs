@@ -143,8 +143,8 @@ impl Recorder {
         chip.has_watch_hits() | chip.board().has_events()
     }
 
-    /// Record what happened since the last call, by `instruction` if one was executed. Of one instant, the board's and the chip's
-    /// events come before those of threads.
+    /// Record what happened since the last call, by `instruction` if one was executed. Of one
+    /// instant, the board's and the chip's events come before those of threads.
     ///
     /// # Errors
     /// The stop when the supply is off, the board met what it does not model, the trace is full or
