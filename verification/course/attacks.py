@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+import struct
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -81,6 +82,18 @@ def _design(text: str) -> Callable[[Path, Place], object]:
     return make
 
 
+def _files(others: dict[str, str]) -> Callable[[Path, Place], object]:
+    """Further files, by their paths from src/."""
+
+    def make(path: Path, place: Place) -> None:
+        write_submission(path)
+        for name, text in others.items():
+            (path / "src" / name).parent.mkdir(parents=True, exist_ok=True)
+            (path / "src" / name).write_text(text)
+
+    return make
+
+
 def _body(old: str, new: str) -> Callable[[Path, Place], object]:
     assert old in TASKS
     return lambda path, place: write_submission(path, TASKS.replace(old, new))
@@ -91,10 +104,30 @@ def _filled(text: str, place: Place) -> str:
     return text.replace("{rubric}", str(place.rubric)).replace("{solutions}", str(place.solutions))
 
 
+def _late(hides: str) -> Callable[[Path, Place], object]:
+    """A job that takes two periods at each press, after C that hides it from who observes it."""
+    c = f"{hides}\nvoid late(void) {{ hide(); for (volatile int i = 0; i < 120000; i++); }}\n"
+    late = 'procedure Late with Import, Convention => C, External_Name => "late";\n'
+    text = TASKS.replace("package body Tasks is\n", f"package body Tasks is\n   {late}")
+    text = re.sub(r"( +)Presses\.Add;\n", r"\g<0>\1Late;\n", text)
+    return lambda path, place: write_submission(path, text, **{"extra.c": c})
+
+
 def _answers(text: str) -> Callable[[Path, Place], object]:
     def make(path: Path, place: Place) -> None:
         write_submission(path)
         (path / "answers.toml").write_text(text)
+
+    return make
+
+
+def _zip_of(*members: tuple[str, str | bytes]) -> Callable[[Path, Place], object]:
+    """An archive with the sources between members of these names and contents."""
+
+    def make(path: Path, place: Place) -> None:
+        with zipfile.ZipFile(path.with_suffix(".zip"), "w") as archive:
+            for name, text in (*((f"src/{n}", t) for n, t in SOURCES.items()), *members):
+                archive.writestr(name, text)
 
     return make
 
@@ -161,6 +194,20 @@ def _many_files(path: Path, place: Place) -> None:
     (path / "notes").mkdir()
     for number in range(12_000):
         (path / "notes" / f"{number}").touch()
+
+
+def _many_entries(path: Path, place: Place) -> None:
+    """A central directory (APPNOTE 4.3.12) alone."""
+    head = struct.pack("<4s4B4H3L5H2L", b"PK\1\2", 20, 0, 20, *[0] * 8, 1, *[0] * 6) + b"a"
+    heads = 300_000 * head
+    end = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, 0xFFFF, 0xFFFF, len(heads), 0, 0)
+    path.with_suffix(".zip").write_bytes(heads + end)
+
+
+def _odd_times(path: Path, place: Place) -> None:
+    write_submission(path)
+    for number, file in enumerate(sorted((path / "src").iterdir())):
+        os.utime(file, (4_102_444_800 * (number % 2),) * 2)
 
 
 def _bad_name(path: Path, place: Place) -> None:
@@ -243,6 +290,27 @@ COMPILER = [
         "system.ads", "package System is\n   pragma Pure;\nend System;\n"), "."),
     Attack("kernel-symbol", "a symbol of the kernel", _c(
         "int ravenbrick__threads__running_thread;\n"), "a name of the run-time"),
+    Attack("kernel-words", "the table by which threads are observed", _c(
+        "const int ravenbrick_thread_layout[11] = {1, 64, 0, 4, 8, 12, 16, 20, 24, 28, 32};\n"),
+        "a name of the run-time"),
+    Attack("local-words", "the word of the running thread, known in one file only", _c(
+        "static volatile int ravenbrick_running_thread __attribute__((used));\n"), "", 99),
+    Attack("odd-names", "symbols of the kernel in files that no check reads", _files(
+        dict.fromkeys(("-x.c", "it's.c", "b__x.c"), "int ravenbrick__threads__x;\n")), "", 99),
+    Attack("driver-unit", "a body of a driver", _file(
+        "nxt-motor_controls.adb", "package body NXT.Motor_Controls is\nend NXT.Motor_Controls;\n"),
+        "cannot belong to several projects"),
+    Attack("driver-symbol", "a symbol of a driver", _c(
+        "int nxt__touch_sensors__pressed(void *sensor) { return 1; }\n"), "", 99),
+    Attack("library-symbol", "memcpy, which the kernel calls", _c(
+        "void *memcpy(void *to, const void *from, unsigned n) { for (;;); }\n"), "defined twice"),
+    Attack("source-reference", "errors that seem to be in another file", _body(
+        "with Ada.Real_Time;", 'pragma Source_Reference (1, "/etc/passwd");\nwith Ada.Real_Tim;'),
+        "Source_Reference|passwd:1"),
+    Attack("debug-noise", "debug information that is none", _c("__asm__(\"" + "".join(
+        f".section .debug_{name},\\\"\\\",%progbits\\n.fill 4000,1,0xff\\n"
+        for name in ("info", "abbrev", "line", "frame")) + ".text\");\n"), "", 99),
+    Attack("long-line", "an error of 19,000 letters", _c(f"#error {'y' * 19_000}\n"), "yyy"),
     Attack("own-project", "its own project file, Makefile, robot.toml", _own_project, "", 99),
 ]  # fmt: skip
 FILES = [
@@ -269,6 +337,20 @@ FILES = [
     Attack("deep", "400 folders deep", _deep, "deep"),
     Attack("many-files", "12,000 files", _many_files, "more than"),
     Attack("bad-names", "names that are not UTF-8", _bad_name, "", 99),
+    Attack("many-entries", "300,000 names in 18 MB", _many_entries, "more than 10000"),
+    Attack("zip-doubles", "names twice, as another case, folder or system writes them", _zip_of(
+        ("src/tasks.adb", "no"), ("src/Tasks.adb", "no"), ("SRC/tasks.adb", "no"),
+        ("zz\\src\\tasks.adb", "no"), ("src/t\u0430sks.adb", "no"),
+        ("__MACOSX/src/._tasks.adb", b"\0\5\x16\7\xff")), "", 99),
+    Attack("long-name", "a name of 255 bytes", lambda path, place: write_submission(
+        path.with_name(path.name + "\u20ac" * ((255 - len(path.name)) // 3))), "", 99),
+    Attack("times", "files of 1980 and of 2100", _odd_times, "", 99),
+    Attack("own-files", "own scenarios, facts, rubric and image", _files({
+        "../scenarios/press.toml": "no", "../timing.toml": "no", "../lab-01.toml": "no",
+        "../build/blank/ram/blank.elf": "no", "tasks.ali": "no", "tasks.o": "no"}), "", 99),
+    Attack("long-key", "an answer whose name has 30,000 parts", _answers(
+        f"{'a.' * 30_000}presses = 2\n"), "more than 50 parts", 99),
+    Attack("many-answers", "answers of 300 KB", _answers("# no\n" * 60_000), "larger than", 99),
     Attack("long-number", "an answer of 400 digits", _answers(
         f"presses = {'9' * 400}\n"), "too large", 99),
     Attack("longer-number", "an answer of 10,000 digits", _answers(
@@ -283,6 +365,17 @@ BRICK = [
     Attack("wild-write", "a write to no memory", _body(
         "Presses.Add;", "declare X : Integer with Import, Address => "
         "System'To_Address (16#7000_0000#); begin X := 1; end;"), ".", 5),
+    Attack("late", "a job that takes two periods", _late("void hide(void) {}"), "missed", 9),
+    Attack("forged-state", "a late job that says it waits", _late(
+        "extern volatile unsigned *ravenbrick_running_thread;\n"
+        "extern const unsigned ravenbrick_thread_layout[];\n"
+        "void hide(void) {\n  volatile unsigned *thread = ravenbrick_running_thread;\n"
+        "  thread[ravenbrick_thread_layout[8] / 4] += 420480;\n"
+        "  thread[ravenbrick_thread_layout[7] / 4] = 2;\n}"), "only the run-time writes", 5),
+    Attack("moved-clock", "a late job after a restart of the clock", _late(
+        "#define PIT_MR (*(volatile unsigned *)0xFFFFFD30)\n"
+        "void hide(void) {\n  unsigned mode = PIT_MR;\n  PIT_MR = 0;\n"
+        "  for (volatile int i = 0; i < 60; i++);\n  PIT_MR = mode;\n}"), "missed|clock", 9),
     Attack("renamed-tasks", "tasks that robot.toml does not name", lambda path, place: (
         write_submission(path, TASKS.replace("Control_Task", "Other_Task"), **{
             "tasks.ads": SOURCES["tasks.ads"].replace("Control_Task", "Other_Task")})),

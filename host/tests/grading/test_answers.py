@@ -58,6 +58,8 @@ def test_a_number_is_met_within_its_bounds(text: str, value: str, met: bool) -> 
         (b"gain = " + b"9" * 400 + b"\n", "the number is too large"),
         (b"gain = = 2\n", "answers.toml: "),
         (b"\xff\xfe\n", "answers.toml: "),
+        (b"gain = 2\n" + 20_000 * b"#..\n", "answers.toml is larger than 64 KB"),
+        (b"a." * 20_000 + b"gain = 2\n", "answers.toml: a key of more than 50 parts"),
         (b"a = " + b"[" * 5000 + b"\n", "answers.toml: "),
     ],
 )

@@ -17,6 +17,7 @@ from ravenbrick.grading.isolation import TRUST, isolation_named
 from ravenbrick.grading.rubric import read_rubric
 from ravenbrick.grading.sandbox import Outcome
 from ravenbrick.grading.submission import DESIGN, SubmissionError
+from ravenbrick.project.workspace import tree
 
 FILES = {f"src/{name}": text.encode() for name, text in SOURCES.items()}
 
@@ -63,6 +64,16 @@ def test_a_build_that_failed_is_not_done_again(
         with pytest.raises(SubmissionError, match=r"^src/tasks\.adb:3:4: .*missing semicolon"):
             sandbox.image(tmp_path)
     assert not sandbox.outcomes
+
+
+def test_a_message_is_cut_and_names_no_folder_of_the_grader(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of one endless line, in which names of folders would be looked for again and again."""
+    said = f"{tree()}/drivers/src/nxt.ads:1:1: error: {'x' * 20_000}"
+    sandbox = Sandbox(monkeypatch, Outcome(0, "", b"objects"), Outcome(4, said, b""))
+    with pytest.raises(SubmissionError, match=r"^drivers/src/nxt\.ads:1:1: x{900,1000}$"):
+        sandbox.image(tmp_path)
 
 
 @pytest.mark.parametrize(

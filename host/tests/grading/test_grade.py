@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -129,6 +130,56 @@ def test_a_link_to_a_folder_is_not_followed(tmp_path: Path) -> None:
     (tmp_path / "own" / "src").symlink_to(tmp_path / "other" / "src")
     with pytest.raises(SubmissionError, match="no Ada or C sources"):
         read_files(Submission("own", tmp_path / "own"), ("src",))
+
+
+def test_no_source_has_a_name_that_a_tool_may_take_for_something_else(tmp_path: Path) -> None:
+    """Options, quotes, hidden files of other systems, what the binder makes, homoglyphs."""
+    odd = ["-x.c", "it's.c", "._tasks.adb", "b__evil.c", "t\u0430sks.adb", "x;y.c", "tasks.ADB"]
+    write_submission(tmp_path / "odd", **dict.fromkeys(odd, "int ravenbrick__threads__x;"))
+    with zipfile.ZipFile(tmp_path / "odd.zip", "w") as archive:
+        for name in [*odd, "a~b.adb", "tasks-more.ads", "2nd.c"]:
+            archive.writestr(f"__MACOSX/src/{name}", "")
+    folder = read_files(Submission("odd", tmp_path / "odd"), ("src",))
+    assert sorted(folder) == sorted(f"src/{name}" for name in SOURCES)
+    packed = read_files(Submission("odd", tmp_path / "odd.zip"), ("src",))
+    assert sorted(packed) == ["src/2nd.c", "src/a~b.adb", "src/tasks-more.ads"]
+
+
+def test_names_as_long_as_a_file_system_takes_are_cut(tmp_path: Path) -> None:
+    """A result's file has the name and more; two that begin alike are told apart."""
+    for last in "ab":
+        write_submission(tmp_path / f"{'€' * 84}{last}")
+    names = [submission.name for submission in find_submissions([tmp_path])]
+    assert names == ["€" * 66, f"{'€' * 66}-2"]
+
+
+def test_a_file_that_becomes_a_link_while_it_is_graded_is_not_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A student who may still write there could make the grader read for them."""
+    secret = tmp_path / "secret.adb"
+    secret.write_text("of another")
+    source = write_submission(tmp_path / "own") / "src" / "tasks.adb"
+    as_it_is = os.stat
+
+    def then_changed(path: Any, **options: Any) -> os.stat_result:
+        found = as_it_is(path, **options)
+        if path == "tasks.adb":
+            source.unlink()
+            source.symlink_to(secret)
+        return found
+
+    monkeypatch.setattr(os, "stat", then_changed)
+    with pytest.raises(SubmissionError, match="cannot be read"):
+        read_files(Submission("own", tmp_path / "own"), ("src",))
+
+
+def test_an_archive_of_too_many_entries_is_refused(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
+        for number in range(10_001):
+            archive.writestr(f"{number}", "")
+    with pytest.raises(SubmissionError, match="more than 10000 files"):
+        read_files(Submission("x", tmp_path / "x.zip"), ("src",))
 
 
 def test_no_submission_and_doubled_names_are_said(tmp_path: Path) -> None:

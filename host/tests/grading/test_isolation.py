@@ -9,6 +9,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -115,6 +116,18 @@ def test_variables_and_home_are_its_own(name: str, monkeypatch: pytest.MonkeyPat
     assert outcome.code == 0, outcome.output
     assert outcome.result.startswith(b"True True\n")
     assert b"canary" not in outcome.result
+
+
+@pytest.mark.skipif(os.cpu_count() == 1, reason="one processor has one thread anyway")
+def test_linear_algebra_takes_one_thread() -> None:
+    """More would count as processes, of which a sandbox has few, and take others' processors."""
+    program = (
+        "import numpy, os\nnumpy.eye(500) @ numpy.eye(500)\nprint(os.listdir('/proc/self/task'))"
+    )
+    bounds = Bounds(20, 2_000, 10)
+    outcome = run_isolated(isolation_named(TRUST), [sys.executable, "-c", program], bounds)
+    assert outcome.code == 0, outcome.output
+    assert len(outcome.result.split()) == 1
 
 
 @pytest.mark.isolated

@@ -20,7 +20,7 @@ from ravenbrick.grading import judge
 from ravenbrick.grading.rubric import Check, Rubric, read_rubric
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import read_scenario
-from ravenbrick.trace.recording import Picture, Recording, Stop, Thread
+from ravenbrick.trace.recording import EventKind, Picture, Recording, Stop, Thread
 
 
 def graded(
@@ -29,6 +29,9 @@ def graded(
     """The row of the first lab's check of a run, asking for this, for a program's run."""
 
     class Target:
+        def __init__(self, settings: dict[str, bool]) -> None:
+            assert settings == {"guards_threads": True}
+
         def run(self, _robot: Robot, _scenario: object, _image: object) -> Recording:
             return recording
 
@@ -73,6 +76,20 @@ def test_the_fullest_stack_of_all_is_judged(
     run = replace(preempted(), threads=threads)
     row = graded(run, monkeypatch, limit, "stack_share_at_most")
     assert (row["points"] > 0) == met and row["found"] == "90 % of a stack"
+
+
+@pytest.mark.parametrize(("ahead_cycles", "met"), [(40, True), (48_000, False)])
+def test_a_job_before_its_instant_shows_that_the_clock_was_moved(
+    monkeypatch: pytest.MonkeyPatch, ahead_cycles: int, met: bool
+) -> None:
+    """Its deadline would count from an instant to come; alarms are some cycles early."""
+    run = preempted()
+    events = run.events.copy()
+    released = events["kind"] == EventKind.RELEASE
+    events["value"][released] = events["at_cycles"][released] + ahead_cycles
+    row = graded(replace(run, events=events), monkeypatch, 'lcd shows "closed loop"')
+    assert (row["points"] > 0) == met
+    assert met or "leave the run-time's clock alone" in row["found"]
 
 
 def test_the_judge_starts_without_the_plant_models() -> None:

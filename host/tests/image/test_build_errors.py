@@ -47,6 +47,9 @@ SAID = {
          "no source and no library defines it"],
     "/usr/bin/ld: main.o:(.text+0x8): undefined reference to `nowhere'\n":
         ["main.o: undefined reference to 'nowhere'; no source and no library defines it"],
+    "/usr/bin/ld: memory.o: in function `memcpy':\n"
+    "memory.S:9: multiple definition of `memcpy'; extra.o:extra.c:1: first defined here\n":
+        ["'memcpy' is defined twice; choose another name"],
     "s-memory.adb:36: undefined reference to `ravenbrick_heap_size'\n":
         ["the program needs a heap, for 'new' or for a function that returns a limited object, and "
          "has none: use variables, name NXT.Malloc for a heap of no bytes, or give a size in "

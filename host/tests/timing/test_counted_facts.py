@@ -23,6 +23,8 @@ if importlib.util.find_spec("virtual_brick") is None:
 if any(find_tool(tool) is None for tool in TOOLS):
     pytest.skip("the cross toolchain is not installed", allow_module_level=True)
 
+from verification.support.paths import ROOT
+from verification.support.recordings import preempted
 from verification.support.timing.programs import HERE, Subject, analysed, subject
 
 from ravenbrick.brick.run import VirtualTarget
@@ -31,6 +33,7 @@ from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import read_robot
 from ravenbrick.timing.facts.counted_facts import points_text
 from ravenbrick.timing.facts.facts import read_facts
+from ravenbrick.timing.observation import fact_counts as fact_counts_of
 from ravenbrick.timing.observation.fact_counts import (
     check_facts_of_run,
     fact_counts,
@@ -51,6 +54,14 @@ period_us = 1_000
 reason = ""
 
 """
+
+
+def test_what_happens_in_a_handler_is_said_to_be_there() -> None:
+    """Not in the job that it interrupts, and no longer after it."""
+    run = fact_counts_of._Run(read_robot(ROOT / "examples" / "blank"), preempted())
+    places = [run.words(1, at).partition(", ")[2] for at in (2_050, 2_500, 100_100, 100_500)]
+    assert places == ["in the handler of TC0", "job 1 of urgent", "in the handler of TC0",
+                      "job 2 of urgent"]  # fmt: skip
 
 
 @cache

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from ravenbrick.codegen.c.declarations import NUMBERS
 from ravenbrick.codegen.c.header import ModelHeader, read_header
 from ravenbrick.codegen.c.rtwtypes import RTWTYPES
 from ravenbrick.errors import DesignError
+from ravenbrick.toml_values import toml_values
 
 __all__ = ["CoderModel", "read_binding", "read_coder_model"]
 
@@ -144,8 +144,8 @@ def _check_sizes(folder: Path, types: str) -> None:
 def read_binding(path: Path) -> AdaBinding:
     """The binding that a TOML file describes; raises `DesignError` that names the field."""
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        data = toml_values(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
         raise DesignError(f"{path}: {error}") from error
     unknown = sorted(set(data) - {"package", "without_effect", *_TABLES})
     if unknown:

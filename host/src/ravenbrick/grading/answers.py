@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import dataclass
+
+from ravenbrick.toml_values import toml_values
 
 __all__ = ["ANSWERS_FILE", "Answers", "Wanted", "parse_wanted", "read_answers"]
 
 ANSWERS_FILE = "answers.toml"
+BYTES_MAX = 64_000
 _NUMBER = r"([-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)"
 _NAME = r"([a-z][a-z0-9_]*)"
 _FORMS = (
@@ -71,7 +73,9 @@ def read_answers(content: bytes | None) -> Answers:
     """The file's content; None when it was not handed in."""
     if content is None:
         return Answers({}, f"there is no {ANSWERS_FILE}")
+    if len(content) > BYTES_MAX:
+        return Answers({}, f"{ANSWERS_FILE} is larger than {BYTES_MAX // 1000} KB")
     try:
-        return Answers(tomllib.loads(content.decode("utf-8")))
+        return Answers(toml_values(content.decode("utf-8")))
     except (ValueError, RecursionError) as error:
         return Answers({}, f"{ANSWERS_FILE}: {error}")

@@ -41,6 +41,7 @@ CHANGED_S = 1_000_000_000
 REFUSED = "not linked:"
 SAID = 400
 LINES = 8
+LINE_MAX = 1_000
 FILE_MAX = 16 << 20
 # What of the drivers a build reads, and of our project files.
 DRIVERS = ("drivers.gpr", "src", "generated", "configuration")
@@ -63,7 +64,7 @@ CHECKED_LINK = rf"""#!/bin/sh
 refused() {{ echo "{REFUSED} $1" >&2; exit 1; }}
 found=$(grep -m 1 '^L ' *.ali) && refused "$found"
 found=$(ls *.o | grep -v '^b__' | xargs arm-none-eabi-nm -A -g --defined-only |
-    grep -m 1 -E ' (ravenbrick|system|ada|interfaces|gnat)__') && refused "$found"
+    grep -m 1 -E ' (ravenbrick_|(system|ada|interfaces|gnat)__)') && refused "$found"
 PATH=${{PATH#*:}} exec arm-none-eabi-gcc "$@"
 """
 DESIGN_SCRIPT = r"""
@@ -285,7 +286,10 @@ def build_image(
 
 
 def _why(outcome: Outcome) -> str:
-    said = with_stable_names(re.sub(r"\S*/project/", "", outcome.output)).strip()
+    # What looks for names takes time by the square of a line.
+    lines = (line[:LINE_MAX] for line in outcome.output.splitlines())
+    said = with_stable_names(re.sub(r"\S*/project/", "", "\n".join(lines))).strip()
+    said = said.replace(f"{tree()}/", "")
     refused = [line for line in said.splitlines() if line.startswith(REFUSED)]
     if not refused:
         errors = "\n".join(errors_in(said, Path("/nowhere"))[:LINES])

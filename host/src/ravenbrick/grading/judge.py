@@ -17,6 +17,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ravenbrick.brick.run import VirtualTarget
 from ravenbrick.errors import ProjectFileError, RavenbrickError, RunFaultError
 from ravenbrick.grading.draws import Pulses, hidden_seeds
@@ -28,10 +30,14 @@ from ravenbrick.project.criteria import Expectation, parse_expectation
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.trace.measures import RunMeasures, check_survival, evaluate_criteria, measure_run
-from ravenbrick.trace.recording import Recording
+from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.task_set import check_release
 from ravenbrick.trace.verdict import expects_fault, judge
 
+# What says of tasks whether they were in time is written by the run-time alone.
+GUARDED = {"guards_threads": True}
+# The run-time sets its alarms some cycles early.
+EARLY_CYCLES = 48
 CheckedRun = tuple[Recording, RunMeasures]
 
 
@@ -70,7 +76,7 @@ class _Runs:
             robot = self._rubric.robot
             if race is not None:
                 robot = race.robot(robot, scenario.seed, Path.cwd())
-            recording = VirtualTarget().run(robot, scenario, self._image)
+            recording = VirtualTarget(settings=GUARDED).run(robot, scenario, self._image)
             self._played[key] = recording, measure_run(robot, scenario, recording)
         recording, measures = self._played[key]
         if not expects_fault(scenario.expectations):
@@ -85,6 +91,20 @@ def _judged_tasks(robot: Robot, expected: Sequence[Expectation]) -> list[Task]:
     return [task for task in robot.tasks if None in names or task.name.lower() in names]
 
 
+def _check_clock(recording: Recording) -> None:
+    """Raise `RavenbrickError` for a job that began before the instant for which its task waited.
+
+    The instant is the run-time's: a program that moves its clock would always be in time.
+    """
+    events = recording.events[recording.events["kind"] == EventKind.RELEASE]
+    early = events["value"] - events["at_cycles"].astype(np.int64) > EARLY_CYCLES
+    if early.any():
+        name = recording.threads[int(events["subject"][early.argmax()])].name
+        raise RavenbrickError(
+            f"the task '{name}' is released before its instant; leave the run-time's clock alone"
+        )
+
+
 def _check_releases(robot: Robot, tasks: Sequence[Task], recording: Recording) -> None:
     """Raise `RavenbrickError` for a task that is absent or not released as the assignment says.
 
@@ -92,6 +112,7 @@ def _check_releases(robot: Robot, tasks: Sequence[Task], recording: Recording) -
     waits, so a wait in the middle would make two short jobs of a long one.
     """
     found = {thread.name.lower() for thread in recording.threads}
+    _check_clock(recording)
     for task in tasks:
         if task.name.lower() not in found:
             raise RavenbrickError(

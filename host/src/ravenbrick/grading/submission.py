@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 import zipfile
 from collections import Counter
@@ -26,7 +27,8 @@ __all__ = [
 ]
 
 DESIGN = "design.py"
-SUFFIXES = (".adb", ".ads", ".c", ".h")
+# None that a tool takes for an option, a hidden file or what the binder makes.
+SOURCE_NAME = re.compile(r"(?!b__)\w[\w.~+-]*\.(adb|ads|c|h)", re.ASCII)
 OTHER_ARCHIVES = (".7z", ".bz2", ".gz", ".rar", ".tar", ".tgz", ".xz")
 FILE_MAX = 1_000_000
 TOTAL_MAX = 8_000_000
@@ -35,7 +37,9 @@ ARCHIVE_MAX = 20_000_000
 ENTRIES_MAX = 10_000
 DEPTH_MAX = 16
 ENCRYPTED = 1  # ZIP file format specification (APPNOTE) 4.4.4
-NAME_MAX = 100
+# Bytes: a result's file has the name and some endings.
+NAME_MAX = 200
+SAID = 100
 
 
 class SubmissionError(Exception):
@@ -53,7 +57,8 @@ class Submission:
 def _readable(name: str) -> str:
     """A name that any terminal and file shows: the file system's may be any bytes."""
     text = os.fsencode(name).decode("utf-8", "backslashreplace")
-    return "".join(c if c.isprintable() and c != "/" else "?" for c in text)[:NAME_MAX] or "?"
+    shown = "".join(c if c.isprintable() and c != "/" else "?" for c in text)
+    return shown.encode()[:NAME_MAX].decode("utf-8", "ignore") or "?"
 
 
 def _is_archive(path: Path) -> bool:
@@ -101,29 +106,47 @@ def _distinct(found: list[Submission]) -> list[Submission]:
     return whole
 
 
-def _walk(top: Path) -> Iterator[tuple[PurePosixPath, os.DirEntry[str]]]:
+@dataclass(frozen=True)
+class _Found:
+    """A regular file below a submission's folder; `place` is its open folder, while it is found."""
+
+    inside: PurePosixPath
+    place: int
+    state: os.stat_result
+
+    def read(self) -> bytes:
+        """Its beginning; raises `OSError` for what has become a link meanwhile."""
+        flags = os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW
+        with os.fdopen(os.open(self.inside.name, flags, dir_fd=self.place), "rb") as stream:
+            return stream.read(FILE_MAX + 1)
+
+
+def _walk(top: Path) -> Iterator[_Found]:
     """Regular files below a folder, never through a link; raises `SubmissionError`."""
-    waiting, count = [(PurePosixPath(), top)], 0
-    while waiting:
-        inside, folder = waiting.pop()
+
+    def refuse(error: OSError) -> None:
+        raise error
+
+    count = 0
+    for folder, inner, names, place in os.fwalk(top, onerror=refuse):
+        inside = PurePosixPath(folder).relative_to(top)
         if len(inside.parts) > DEPTH_MAX:
             raise SubmissionError(f"has folders more than {DEPTH_MAX} deep; submit src/ alone")
-        with os.scandir(folder) as entries:
-            for entry in sorted(entries, key=lambda entry: entry.name):
-                count += 1
-                if count > ENTRIES_MAX:
-                    raise SubmissionError(f"has more than {ENTRIES_MAX} files; submit src/ alone")
-                if entry.is_dir(follow_symlinks=False):
-                    waiting.append((inside / entry.name, Path(entry.path)))
-                elif entry.is_file(follow_symlinks=False):
-                    yield inside / entry.name, entry
+        count += len(inner) + len(names)
+        if count > ENTRIES_MAX:
+            raise SubmissionError(f"has more than {ENTRIES_MAX} files; submit src/ alone")
+        inner.sort()
+        for name in sorted(names):
+            state = os.stat(name, dir_fd=place, follow_symlinks=False)
+            if stat.S_ISREG(state.st_mode):
+                yield _Found(inside / name, place, state)
 
 
 def _in_folder(top: Path, folders: tuple[str, ...]) -> Iterator[tuple[PurePosixPath, int, bytes]]:
-    for name, entry in _walk(top):
-        if _is_wanted(name, folders):
-            size = entry.stat(follow_symlinks=False).st_size
-            yield name, size, Path(entry.path).read_bytes() if size <= FILE_MAX else b""
+    for found in _walk(top):
+        if _is_wanted(found.inside, folders):
+            content = found.read()
+            yield found.inside, len(content), content
 
 
 def _in_archive(path: Path, folders: tuple[str, ...]) -> Iterator[tuple[PurePosixPath, int, bytes]]:
@@ -139,6 +162,8 @@ def _in_archive(path: Path, folders: tuple[str, ...]) -> Iterator[tuple[PurePosi
                 f"is larger than {ARCHIVE_MAX // 1_000_000} MB; submit src/ alone"
             )
         with zipfile.ZipFile(stream) as archive:
+            if len(archive.infolist()) > ENTRIES_MAX:
+                raise SubmissionError(f"has more than {ENTRIES_MAX} files; submit src/ alone")
             for info in sorted(archive.infolist(), key=lambda info: info.filename):
                 name = PurePosixPath(info.filename.replace("\\", "/"))
                 if not info.is_dir() and _is_wanted(name, folders):
@@ -151,8 +176,7 @@ def _in_archive(path: Path, folders: tuple[str, ...]) -> Iterator[tuple[PurePosi
 def accepted_source(name: str, folders: tuple[str, ...]) -> bool:
     """Whether a name, its last two parts, is that of an Ada or C file in one of the folders."""
     path = PurePosixPath(name)
-    plain = all(32 < ord(c) < 127 for c in path.name)
-    return path.suffix in SUFFIXES and path.parent.name in folders and plain
+    return path.parent.name in folders and SOURCE_NAME.fullmatch(path.name) is not None
 
 
 def _is_wanted(name: PurePosixPath, folders: tuple[str, ...]) -> bool:
@@ -183,7 +207,7 @@ def read_files(
         raise
     except Exception as error:
         # Readers of archives raise whatever their parts do: a student's file must not end a class.
-        said = " ".join(str(error).split())[:NAME_MAX] or type(error).__name__
+        said = " ".join(str(error).split())[:SAID] or type(error).__name__
         raise SubmissionError(f"cannot be read ({said}); submit it again") from None
     if must_have and not any(name.startswith("src/") for name in files):
         raise SubmissionError("has no Ada or C sources below src/")
@@ -196,7 +220,7 @@ def states(submission: Submission) -> Iterable[str]:
     try:
         if path.is_symlink() or not path.is_dir():
             return [_state(path.lstat(), path.name)]
-        return [_state(e.stat(follow_symlinks=False), str(name)) for name, e in _walk(path)]
+        return [_state(found.state, str(found.inside)) for found in _walk(path)]
     except (OSError, SubmissionError) as error:
         return [str(error)]
 

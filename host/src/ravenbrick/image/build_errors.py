@@ -28,6 +28,7 @@ _REMARK = re.compile(r"(warning|note|info|\(style\)|in function)\b|undefined ref
 _UNDEFINED = re.compile(
     r"^(?:\S*/ld: )?(?P<place>.*?)(?::\(\S+\))?: undefined reference to `(?P<name>.+)'$"
 )
+_DOUBLED = re.compile(r"multiple definition of `(.+?)';")
 _NO_BODY = re.compile(r"^cannot generate code for file (\S+) \(")
 _CIRCULAR = re.compile(r"^info: +((?:unit|change|remove) .+)$")
 _PLAIN = re.compile(r"^(?:gnatbind: |gprbuild: )?(?:fatal )?error[:,] (.+)$")
@@ -69,6 +70,9 @@ def errors_in(output: str, project: Path) -> list[str]:
     for line in with_stable_names(output).splitlines():
         if undefined := _UNDEFINED.match(line):
             found.setdefault(undefined["name"], _undefined(undefined, project))
+        elif doubled := _DOUBLED.search(line):
+            name = doubled[1]
+            found.setdefault(name, f"'{name}' is defined twice; choose another name")
         elif (at := _AT.match(line)) and not _REMARK.match(at["text"]):
             if at["kind"] or re.search(r"\.c?gpr:\d+:\d+$", at["place"]):
                 place = _shown_place(at["place"], project)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """TOML with the line of each key.
 
-`tomllib` reads the values; a second, tolerant pass finds where each key stands. The second pass
+`toml_values` reads the values; a second, tolerant pass finds where each key stands. The second pass
 relies on the first having accepted the text, so it never has to report an error of its own.
 """
 
@@ -16,11 +16,13 @@ from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import ProjectFileError, ScenarioError
+from ravenbrick.toml_values import toml_values
 
 __all__ = ["KeyPath", "LocatedToml", "dotted", "read_toml", "utf8_text"]
 
 KeyPath = tuple[str | int, ...]
 LIMIT = 2**63
+FIELD_SHOWN = 100
 _BARE_OR_QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"|\'([^\']*)\'|([A-Za-z0-9_-]+)')
 _STRING = re.compile(
     r'"""(?:[^\\]|\\.)*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'', re.DOTALL
@@ -201,7 +203,7 @@ def read_toml(path: Path, *, missing: str) -> LocatedToml:
             raise ScenarioError(f"{path}: {problem}") from None
         raise ProjectFileError(path, 1, "", problem) from None
     try:
-        values = tomllib.loads(text)
+        values = toml_values(text)
     except tomllib.TOMLDecodeError as error:
         raise _syntax_error(path, text, str(error)) from None
     except ValueError as error:
@@ -233,5 +235,5 @@ def _syntax_error(path: Path, text: str, message: str) -> ProjectFileError:
     line = int(place.group(1)) if place else last_line
     problem = re.sub(r" \(at [^)]*\)$", "", message)
     key = re.match(r"\s*([A-Za-z0-9_.\"'-]+)\s*=", text.split("\n")[line - 1])
-    field = key.group(1) if key else ""
+    field = key.group(1)[:FIELD_SHOWN] if key else ""
     return ProjectFileError(path, line, field, f"not valid TOML: {problem}; correct this line")

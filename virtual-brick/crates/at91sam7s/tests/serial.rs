@@ -230,6 +230,13 @@ fn each_full_receive_buffer_is_flagged_until_a_count_is_written() {
     assert_eq!(full(&mut chip), ENDRX, "the next buffer has room");
     write(&mut chip, RCR, 1);
     assert_eq!(full(&mut chip), 0, "a count was written");
+    write(&mut chip, RCR, 0);
+    assert_eq!(
+        full(&mut chip),
+        ENDRX | RXBUFF,
+        "a program takes its buffer back"
+    );
+    write(&mut chip, RCR, 1);
     send_one(&mut chip);
     assert_eq!(full(&mut chip), ENDRX | RXBUFF);
 }

@@ -24,6 +24,7 @@ pub(crate) struct Recorder {
     pending: Vec<Event>,
     reported: Vec<BoardEvent>,
     hits: Vec<WatchHit>,
+    guards_threads: bool,
     row: Vec<f64>,
     signal_period_cycles: u64,
     next_sample_cycles: u64,
@@ -49,6 +50,7 @@ impl Recorder {
             pending: Vec::new(),
             reported: Vec::new(),
             hits: Vec::new(),
+            guards_threads: configuration.guards_threads,
             row: Vec::new(),
             signal_period_cycles: configuration.signal_period_cycles,
             next_sample_cycles: 0,
@@ -141,18 +143,24 @@ impl Recorder {
         chip.has_watch_hits() | chip.board().has_events()
     }
 
-    /// Record what happened since the last call. Of one instant, the board's and the chip's
-    /// events come before those of threads.
+    /// Record what happened since the last call, by `instruction` if one was executed. Of one
+    /// instant, the board's and the chip's events come before those of threads.
     ///
     /// # Errors
-    /// The stop when the supply is off, the board met what it does not model or the trace is full.
-    pub(crate) fn collect(&mut self, chip: &mut Machine) -> Result<(), Stop> {
+    /// The stop when the supply is off, the board met what it does not model, the trace is full or
+    /// the program wrote what is guarded.
+    pub(crate) fn collect(
+        &mut self,
+        chip: &mut Machine,
+        instruction: Option<u32>,
+    ) -> Result<(), Stop> {
         let mut end = None;
         if chip.board().has_events() {
             end = self.take_reports(chip);
         }
         if chip.has_watch_hits() {
             self.observe_writes(chip);
+            end = end.or(self.forgery(instruction));
         }
         self.write_pending(chip.now())?;
         end.map_or(Ok(()), Err)
@@ -216,6 +224,22 @@ impl Recorder {
         if observer.has_new_watches() {
             self.watch_new_words(chip);
         }
+    }
+
+    /// The stop when the program itself wrote one of the words that were observed last.
+    fn forgery(&self, instruction: Option<u32>) -> Option<Stop> {
+        let observer = self.observer.as_ref().filter(|_| self.guards_threads)?;
+        let instruction = instruction?;
+        let forged = |hit: &&WatchHit| observer.forged(hit.address, instruction);
+        let hit = self.hits.iter().find(forged)?;
+        Some(Stop {
+            reason: StopReason::Fault,
+            at_cycles: hit.at_cycles,
+            message: format!(
+                "the program writes what only the run-time writes of its threads; {}",
+                observer.place(instruction)
+            ),
+        })
     }
 
     /// One row of signals; the next one is due a period later.

@@ -79,7 +79,7 @@ impl VirtualBrick {
                 message: error.to_string(),
             })?;
             self.recorder.input_applied(now, &input);
-            self.recorder.collect(&mut self.chip)?;
+            self.recorder.collect(&mut self.chip, None)?;
         }
         if self.recorder.next_sample_cycles() <= now {
             self.recorder.sample(&self.chip)?;
@@ -241,7 +241,7 @@ impl VirtualBrick {
 
     #[cold]
     fn attend(&mut self, instruction: u32) -> Result<(), Stop> {
-        self.recorder.collect(&mut self.chip)?;
+        self.recorder.collect(&mut self.chip, Some(instruction))?;
         self.check_stacks();
         let Some(fault) = self.chip.fault() else {
             return Ok(());

@@ -4,9 +4,10 @@
 //! run-time does, with the interval timer as its clock.
 
 use crate::support::arm::{Program, ALWAYS};
-use crate::support::{image, vehicle, RAM};
+use crate::support::elf::ElfBuilder;
+use crate::support::{image, vehicle, RAM, VEHICLE};
 use trace::{EventKind, NameSpace, IDLE};
-use virtual_brick::VirtualBrick;
+use virtual_brick::{Configuration, StopReason, VirtualBrick};
 
 const RUNNING: u32 = 0x0020_8000;
 const FIRST: u32 = 0x0020_8004;
@@ -25,6 +26,10 @@ fn brick(version: u32) -> VirtualBrick {
 }
 
 fn named_brick(version: u32, name_length: u32) -> VirtualBrick {
+    VirtualBrick::new(&vehicle(), &elf(version, name_length).build()).unwrap()
+}
+
+fn elf(version: u32, name_length: u32) -> ElfBuilder {
     let mut program = Program::new();
     program.poke(PIT_MR, 0x010F_FFFF);
     for (address, value) in [
@@ -48,14 +53,13 @@ fn named_brick(version: u32, name_length: u32) -> VirtualBrick {
     program.status(0x13).branch(ALWAYS, here);
     let mut layout = vec![version, 40];
     layout.extend(OFFSETS);
-    let elf = image(&program)
+    image(&program)
         .segment(NAME, b"control\0")
         .words(LAYOUT, &layout)
         .object("tasks__control_task", BLOCK - 8, 60)
         .object("ravenbrick_running_thread", RUNNING, 4)
         .object("ravenbrick_first_thread", FIRST, 4)
-        .object("ravenbrick_thread_layout", LAYOUT, 44);
-    VirtualBrick::new(&vehicle(), &elf.build()).unwrap()
+        .object("ravenbrick_thread_layout", LAYOUT, 44)
 }
 
 #[test]
@@ -143,4 +147,28 @@ fn a_thread_without_a_name_has_that_of_the_object_that_holds_it() {
         ["control_task"]
     );
     assert_eq!(brick.threads()[0].name, "control_task");
+}
+
+/// Runs with guarded threads, the program being a function of this name.
+fn guarded_stop(function: &str) -> (StopReason, String) {
+    let fields = VEHICLE.replacen('{', r#"{"guards_threads": true, "#, 1);
+    let configuration = Configuration::from_json(&fields).unwrap();
+    let elf = elf(1, 7).symbol(function, RAM, 0x400, true, true).build();
+    let mut brick = VirtualBrick::new(&configuration, &elf).unwrap();
+    let stop = brick.run_until(2_000);
+    (stop.reason, stop.message)
+}
+
+#[test]
+fn only_the_run_time_may_write_guarded_words_of_threads() {
+    for function in ["ravenbrick_switch", "system__tasking__create"] {
+        assert_eq!(guarded_stop(function).0, StopReason::Reached, "{function}");
+    }
+    let (reason, message) = guarded_stop("tasks__control_taskTKB");
+    assert_eq!(reason, StopReason::Fault);
+    assert!(
+        message.contains("writes what only the run-time writes"),
+        "{message}"
+    );
+    assert!(message.contains("(start + 0x"), "{message}");
 }

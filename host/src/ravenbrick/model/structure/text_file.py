@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
@@ -19,6 +18,7 @@ from ravenbrick.model.blocks.basic import Block
 from ravenbrick.model.diagram import Diagram
 from ravenbrick.model.program import DataType
 from ravenbrick.model.structure.subsystem import Subsystem
+from ravenbrick.toml_values import toml_values
 
 __all__ = ["diagram_text", "load_diagram", "read_diagram"]
 
@@ -114,9 +114,9 @@ def _value(value: object) -> str:
 def read_diagram(text: str, place: str = "diagram") -> Diagram:
     """The diagram of a document as `diagram_text` writes it; `place` is its file, for errors."""
     try:
-        content = tomllib.loads(text)
+        content = toml_values(text)
         return _diagram(str(content["name"]), content, content["sample_time"])
-    except (tomllib.TOMLDecodeError, DesignError, ValueError) as error:
+    except (DesignError, ValueError, RecursionError) as error:
         raise DesignError(f"{place}: {error}") from error
     except KeyError as error:
         raise DesignError(f"{place}: {error} is missing") from error

@@ -47,6 +47,8 @@ pub struct Configuration {
     pub timing: Timing,
     /// Faults of the silicon that the chip has.
     pub errata: Errata,
+    /// A program that writes what only the run-time writes of its threads ends the run.
+    pub guards_threads: bool,
 }
 
 #[derive(Deserialize)]
@@ -76,6 +78,8 @@ struct Fields {
     timing: serde_json::Map<String, serde_json::Value>,
     #[serde(default)]
     errata: Errata,
+    #[serde(default)]
+    guards_threads: bool,
 }
 
 #[derive(Default, Deserialize)]
@@ -146,6 +150,7 @@ impl Fields {
             jit_synchronous: false,
             timing,
             errata: self.errata,
+            guards_threads: self.guards_threads,
         })
     }
 }

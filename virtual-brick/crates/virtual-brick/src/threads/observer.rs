@@ -17,6 +17,12 @@ use super::Memory;
 /// A list longer than this is taken for a loop.
 const THREADS_MAX: usize = 256;
 
+const VECTORS: &str = "ravenbrick_vectors";
+const FLASH: u32 = 0x0010_0000;
+
+/// How names of functions of the run-time and of Ada's library begin.
+const RUN_TIME: [&str; 4] = ["ravenbrick_", "system__", "ada__", "interfaces__"];
+
 const READY: u32 = 1;
 const DELAYED: u32 = 2;
 const BLOCKED_LAST: u32 = 4;
@@ -151,6 +157,30 @@ impl ThreadObserver {
     /// Words to watch from now on that were not asked for before.
     pub(crate) fn take_new_watches(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.new_watches)
+    }
+
+    /// A watched word, but for one of a stack, was written by an instruction of the program itself.
+    /// Before there are threads, the start clears the memory.
+    pub(crate) fn forged(&self, address: u32, instruction: u32) -> bool {
+        let Some(image) = &self.names.image else {
+            return false;
+        };
+        // The run-time copies its vectors and its handler of interrupts to address 0.
+        let copied = image.symbols().get(VECTORS).filter(|_| instruction < FLASH);
+        let linked = copied.map_or(instruction, |vectors| vectors.address + instruction);
+        let function = image.symbols().function_at(linked);
+        let names = function.map_or(&[][..], |(_, function)| &function.names);
+        let by_run_time = |name: &String| RUN_TIME.iter().any(|part| name.starts_with(part));
+        let watched = !self.threads.is_empty() && !self.bottoms.contains(&address);
+        watched && !names.iter().any(by_run_time)
+    }
+
+    /// The instruction's place, for people.
+    pub(crate) fn place(&self, instruction: u32) -> String {
+        let image = self.names.image.as_deref();
+        image.map_or_else(String::new, |image| {
+            crate::dead_ends::place(image, instruction)
+        })
     }
 
     /// The clock of the run-time starts: the interval timer was enabled at this cycle.
