@@ -141,15 +141,31 @@ describe("a chart", () => {
     const [x, y] = [{ lowest: 0, highest: 1, unit: "s" }, { lowest: 0, highest: 10, unit: "V" }];
     chart.draw("a step", x, y, [{ name: "step", kind: "measured", points }]);
     const line = chart.element.querySelector("polyline");
-    // 576 by 244 from (56, 26) on; a value above the axis is at its end.
-    expect(line?.getAttribute("points")).toBe("56.0,270.0 344.0,148.0 632.0,26.0");
+    // 360 by 140 from (44, 38) on; a value above the axis is at its end.
+    expect(line?.getAttribute("points")).toBe("44.0,178.0 224.0,108.0 404.0,38.0");
     // Lines along the axis end with it, and so does the name of its unit.
     const ends = [...chart.element.querySelectorAll("line.grid")].map((l) => l.getAttribute("x2"));
-    expect(Math.max(...ends.map(Number))).toBe(632);
+    expect(Math.max(...ends.map(Number))).toBe(404);
     const [unit] = [...chart.element.querySelectorAll("text")].filter((t) => t.textContent === "s");
-    expect(unit?.getAttribute("x")).toBe("632");
-    expect(chart.at({ clientX: 344, clientY: 148 })).toEqual([0.5, 5]);
+    expect(unit?.getAttribute("x")).toBe("404");
+    const [time, value] = chart.at({ clientX: 224, clientY: 108 });
+    expect(time).toBeCloseTo(0.5, 9);
+    expect(value).toBeCloseTo(5, 9);
     expect(chart.at({ clientX: 0, clientY: 300 })).toEqual([0, 0]);
+  });
+
+  it("names its curves above the plot, two in a row", () => {
+    const chart = new Chart();
+    const axis = { lowest: 0, highest: 1, unit: "s" };
+    const names = ["continuous design", "sampled design", "run before"];
+    const curves = names.map((name) => ({ name, kind: "before" as const, points: [] }));
+    chart.draw("a step", axis, axis, curves);
+    const texts = [...chart.element.querySelectorAll("text")];
+    const places = names.map((name) => {
+      const text = texts.find(({ textContent }) => textContent === name);
+      return [Number(text?.getAttribute("x")), Number(text?.getAttribute("y"))];
+    });
+    expect(places).toEqual([[71, 14], [251, 14], [71, 30]]);
   });
 });
 

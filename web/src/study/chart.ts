@@ -18,7 +18,10 @@ export interface Axis {
   unit: string;
 }
 
-const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [640, 300, 56, 8, 26, 30];
+/** About as wide as a phone and as a column of the page, so that its letters have their size. */
+const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [420, 210, 44, 16, 38, 32];
+/** Two names stand beside each other. */
+const [NAMES, NAME_WIDE, NAME_HIGH] = [2, 180, 16];
 const TICKS = 5;
 
 /** About five round numbers in an axis' range. */
@@ -99,11 +102,11 @@ export class Chart {
   }
 
   private legend(curves: Curve[]): SVGElement[] {
-    let x = LEFT;
-    return curves.flatMap(({ kind, name }) => {
-      const line = svg("line", { x1: x, x2: x + 22, y1: 10, y2: 10, class: `curve ${kind}` });
-      const text = svg("text", { x: x + 27, y: 14 }, name);
-      x += 40 + 6.6 * name.length;
+    return curves.flatMap(({ kind, name }, index) => {
+      const x = LEFT + (index % NAMES) * NAME_WIDE;
+      const y = 10 + Math.floor(index / NAMES) * NAME_HIGH;
+      const line = svg("line", { x1: x, x2: x + 22, y1: y, y2: y, class: `curve ${kind}` });
+      const text = svg("text", { x: x + 27, y: y + 4 }, name);
       return [line, text];
     });
   }
