@@ -56,11 +56,12 @@ package body NXT.Canvas is
       end New_Line;
 
       procedure Draw (Letter : Character; At_Column : Char_Columns; At_Row : Char_Rows) is
-         Left : constant Pixel_Columns := Fonts.Left_Edge (At_Column);
+         Left  : constant Pixel_Columns := Fonts.Left_Edge (At_Column);
+         Shape : constant Fonts.Glyph := Fonts.Shape_Of (Letter);
       begin
-         for Part in Fonts.Glyph_Columns loop
+         for Part in Shape'Range loop
             pragma Annotate (Ravenbrick, Iterations, 5, "the columns of a letter");
-            Content (At_Row) (Left + Part) := Fonts.Pixels_Of (Letter, Part);
+            Content (At_Row) (Left + Part) := Shape (Part);
          end loop;
       end Draw;
 
