@@ -4,16 +4,19 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from pathlib import Path
 
 import pytest
 from verification.support.projects import VEHICLE
 
-from ravenbrick.errors import ProjectFileError
+from ravenbrick.errors import ImageFileError, ProjectFileError
+from ravenbrick.image.build import manifest_file
+from ravenbrick.image.manifest import BuildManifest
 from ravenbrick.project.robot import read_robot
 from ravenbrick.timing.facts.facts import read_facts
-from ravenbrick.timing.facts.source_facts import loop_statements, statements_text
+from ravenbrick.timing.facts.source_facts import check_age, loop_statements, statements_text
 
 SOURCE = Path("worker.adb")
 TEXT = """\
@@ -106,3 +109,20 @@ def test_facts_of_the_drivers_come_with_every_project_and_its_own_come_first(
     assert both.outside == '[[avoided]]\nsymbol = "search"\nreason = "seconds"\n'
     assert [load.at_most_cycles for load in both.outside_of("Exchange")] == [9]
     assert len(both.shared) == 1
+
+
+def test_a_source_saved_anew_is_not_newer_than_its_image_but_a_changed_one_is(
+    tmp_path: Path,
+) -> None:
+    """Building would change nothing for the first one."""
+    source, elf = tmp_path / "worker.adb", tmp_path / "worker.elf"
+    source.write_text(TEXT)
+    elf.write_bytes(b"")
+    BuildManifest.now({}, [tmp_path], []).write(manifest_file(elf))
+    later_s = elf.stat().st_mtime + 10
+    os.utime(source, (later_s, later_s))
+    check_age(source, elf)
+    source.write_text(TEXT.replace("7", "8"))
+    os.utime(source, (later_s, later_s))
+    with pytest.raises(ImageFileError, match=r"is older than .*worker\.adb"):
+        check_age(source, elf)

@@ -20,11 +20,13 @@ from typing import Any
 from elftools.common.exceptions import ELFError
 
 from ravenbrick.errors import ImageFileError, ProjectFileError
+from ravenbrick.image.build import manifest_file
 from ravenbrick.image.elf import ElfImage
+from ravenbrick.image.manifest import BuildManifest, file_digest
 from ravenbrick.image.source_texts import named_sources
 from ravenbrick.timing.facts.facts import annotations_of
 
-__all__ = ["SourceLoop", "loop_statements", "source_facts", "statements_text"]
+__all__ = ["SourceLoop", "check_age", "loop_statements", "source_facts", "statements_text"]
 
 PRAGMA = "pragma Annotate"
 TOKEN = re.compile(r'--[^\n]*|"(?:[^"\n]|"")*"|\'.\'|\w+|=>|[^\s\w]')
@@ -153,15 +155,22 @@ def source_facts(image: ElfImage, devices: Collection[str] = ()) -> list[tuple[s
     for path in files:
         loops = loop_statements(path, path.read_text("utf-8", errors="replace"))
         if any(loop.iterations is not None for loop in loops):
-            _check_age(path, image)
+            check_age(path, image.path)
         found.append((str(path), statements_text(path, loops, devices)))
     return found
 
 
-def _check_age(path: Path, image: ElfImage) -> None:
-    """Lines of a source that has changed are not those of the code."""
-    if path.stat().st_mtime > image.path.stat().st_mtime:
+def check_age(path: Path, elf: Path) -> None:
+    """Lines of a source that has changed are not those of the code; saved anew is not changed.
+
+    Raises `ImageFileError`.
+    """
+    if path.stat().st_mtime <= elf.stat().st_mtime:
+        return
+    manifest = BuildManifest.read(manifest_file(elf))
+    _, digest = manifest.files.get(str(path), ([], "")) if manifest else ([], "")
+    if digest != file_digest(path):
         raise ImageFileError(
-            f"{image.path}: is older than {path}, whose loop bounds are needed; build it again "
+            f"{elf}: is older than {path}, whose loop bounds are needed; build it again "
             "with 'ravenbrick build'"
         )
