@@ -87,7 +87,7 @@ def test_a_gain_is_dragged_in_the_page(page: tuple[subprocess.Popen[str], str]) 
     ("arguments", "sentence"),
     [
         ([str(VEHICLE), "--page", "9000", "--plots"], "--page draws by itself"),
-        ([str(VEHICLE.with_name("balancer")), "--page", "9000"], "has no function 'design'"),
+        ([str(VEHICLE.with_name("balancer")), "--page", "9000"], "'design' returns no Design"),
     ],
 )
 def test_what_the_page_cannot_show_is_refused(arguments: list[str], sentence: str) -> None:
