@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from ravenbrick.brick.protocol import Progress, no_progress
 from ravenbrick.cli.console import Reporter
-from ravenbrick.errors import DesignError, RavenbrickError, shown_path
+from ravenbrick.errors import DesignError, ProjectFileError, RavenbrickError, shown_path
 from ravenbrick.image.build import BUSY, build_image, current_image, manifest_file
 from ravenbrick.image.design_script import DESIGN_SCRIPT, run_design
 from ravenbrick.image.elf import ElfImage, read_image
@@ -118,15 +119,20 @@ def keep_peer(peer: PeerRun | None) -> Recording | None:
     return peer.recording
 
 
+def _with_other_code(robot: Robot) -> set[str]:
+    """Tasks that execute other code than jobs; a wrong `timing.toml` is for `analyse` to tell."""
+    with suppress(ProjectFileError):
+        return {load.task for load in read_facts(robot).outside_loads}
+    return set()
+
+
 def read_run(robot: Robot, scenario: Scenario, recording: Recording, *, whole: bool = True) -> Run:
     """Measure a recording, not `whole` if it ends before its scenario does.
 
     Raises `RunFaultError`, `ScenarioError`, `ProjectFileError`.
     """
     check_survival(scenario, recording)
-    # The tasks of timing.toml are those of robot.toml; other programs than ours have none.
-    outside = {load.task for load in read_facts(robot).outside_loads} if robot.tasks else set()
-    check_task_set(robot, recording, whole=whole, outside=outside)
+    check_task_set(robot, recording, whole=whole, outside=_with_other_code(robot))
     measures = measure_run(robot, scenario, recording)
     criteria = evaluate_criteria(scenario, measures)
     return Run(robot, scenario, recording, measures, criteria)
