@@ -160,7 +160,9 @@ describe("the studio", () => {
       await page.keyboard.press("Escape");
       await page.click("#diagram-tab");
       await page.click("#diagram-panel button");
-      await page.locator("#diagram-panel iframe").waitFor();
+      await page.frameLocator("#diagram-panel iframe").locator("svg").waitFor();
+      const drawn = page.frameLocator("#diagram-panel iframe").locator("main");
+      expect((await drawn.boundingBox())?.width).toBeGreaterThan(300); // beside or above its code
       expect(await violations(page)).toEqual([]);
       await screenshot(page, `studio-${colorScheme}`, false);
     });

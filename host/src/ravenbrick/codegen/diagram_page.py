@@ -24,12 +24,13 @@ _ADA_FIELD = re.compile(r" {6}--  of (\w+)$")
 _STYLE = """
 body { margin: 0; font: 14px sans-serif; display: flex; height: 100vh; }
 main { flex: 3; overflow: auto; }
-aside { flex: 2; display: flex; flex-direction: column; border-left: 1px solid #bbb; }
+aside { flex: 2; min-width: 0; display: flex; flex-direction: column; border-left: 1px solid #bbb; }
 section { flex: 1; overflow: auto; border-bottom: 1px solid #bbb; }
 h2 { position: sticky; top: 0; margin: 0; padding: 4px 12px; font-size: 13px; background: #eee; }
 pre { margin: 0; padding: 8px 0; font-size: 12px; line-height: 1.35; }
 pre span { display: block; padding: 0 12px; min-height: 1.35em; }
 pre span[data-blocks] { cursor: pointer; } pre .chosen { background: #fff3c4; }
+@media (max-width: 900px) { body { flex-direction: column; } aside { flex: 3; min-height: 0; } }
 """.strip()
 _SCRIPT = """
 const parts = [...document.querySelectorAll('[data-blocks]')];
