@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache, partial
+from typing import Any
 
 import pytest
 from verification.support.timing.random_task_sets import (
@@ -189,26 +191,57 @@ def requested_above(seed: int) -> tuple[TaskSet, TaskSet, Known]:
     return analysed.with_task(working), analysed, known
 
 
-def requested_by_itself(seed: int) -> tuple[TaskSet, TaskSet, Known]:
-    """A task that makes a device work from some place of its job on, at the release of more urgent
-    tasks or later, beside one of its own priority."""
+@cache
+def requested_by_itself(seed: int, since_release: bool = False) -> tuple[TaskSet, TaskSet, Known]:
+    """A task that makes a device work from some place of its jobs on, perhaps in a section, until a
+    while after their end; perhaps a more urgent one does, too. The device interrupts as often as it
+    may, or a while later. It may do so `since_release` of the job, which is no such place."""
     rng = random.Random(seed)
-    wcet, burst = rng.randint(3, 9), rng.randint(2, 5)
-    rest, lasts = rng.randint(1, 2), rng.randint(1, 12)
-    top = Task("top", 20, rng.randint(1, 4), 3, phase=0)
+    period, lasts, length = rng.choice((40, 80)), rng.choice((2, 12, 30)), rng.choice((0, 2, 7))
+    wcet = length + rng.randint(4, 9)
+    start = rng.randint(1, wcet - length)
+    place = rng.choice((start, start + length)) if length else rng.randint(1, wcet - 1)
+    top = Task("top", 10, rng.randint(1, 2), 3, phase=0, sections=(CriticalSection("shared", 1),))
     middle = Task("middle", 40, rng.randint(1, 5), 2, phase=rng.randint(0, 39))
-    low = Task("low", 160, wcet, 1, phase=rng.randint(0, 39))
+    sections = (CriticalSection("shared", length, start),) if length else ()
+    low = Task("low", period, wcet, 1, phase=rng.randint(0, 39), sections=sections)
     other = Task("other", 160, rng.randint(1, 5), 1, phase=rng.randint(0, 39))
-    limits = ((Fraction(1, burst), 4, 0),)
-    device = Task("device", 160, burst, 4, release="interrupt", limits=limits)
-    without = TaskSet((top, middle, low, other))
-    until = simulate(without.with_task(replace(low, wcet=wcet - rest)), 160)
-    begin = low.phase + (until.response_time_max("low") or 0)
-    analysed = TaskSet((device, top, middle, low, other))
-    request = Request("device", ("low",), lasts, (("low", rest),))
+    before = CriticalSection("shared", min(length, place - start), start)
+    part = replace(low, wcet=place, sections=(before,) if before.duration > 0 else ())
+    simulated = TaskSet((top, middle, low, other))
+    requesting: tuple[str, ...] = ("low",)
+    times: list[int] = []
+    if rng.random() < 0.3:
+        requesting, times = ("low", "middle"), list(range(int(middle.phase or 0), 240, 40))
+    for job in range(240 // period - 1):
+        released = int(low.phase or 0) + job * period
+        begin = released if since_release else _done_at(simulated, low, part, released, times)
+        at = begin + rng.choice((0, 0, rng.randint(0, lasts)))
+        end = _done_at(simulated, low, low, released, times)
+        while at <= end + lasts:
+            if all(abs(at - known) >= 4 for known in times):
+                times.append(at)
+                end = _done_at(simulated, low, low, released, times)
+            at += 1
+    device = Task("device", 4, 1, 4, release="interrupt")
+    analysed = TaskSet((device, *simulated))
+    request = Request("device", requesting, lasts, (("low", wcet - place + length),))
     known = replace(plain_responses(analysed), requests=(request,))
-    each = [Task(f"device {n}", 160, 1, 4, phase=begin + 4 * n) for n in range(burst)]
-    return TaskSet((*each, top, middle, low, other)), analysed, known
+    return TaskSet((*_interrupts(times), *simulated)), analysed, known
+
+
+def _interrupts(times: Iterable[int]) -> list[Task]:
+    return [Task(f"device {at}", 400, 1, 4, phase=at, deadline=400) for at in times]
+
+
+def _done_at(task_set: TaskSet, low: Task, last: Task, released: int, times: list[int]) -> int:
+    """When the job of `low` of this release is over, if it is one of `last`."""
+    earlier = range(int(low.phase or 0), released, int(low.period))
+    jobs = [replace(low, name=f"low {at}", period=400, phase=at) for at in earlier]
+    jobs.append(replace(last, name="last", period=400, phase=released, deadline=400))
+    others = [task for task in task_set if task.name != "low"]
+    run = simulate(TaskSet((*_interrupts(times), *others, *jobs)), 400)
+    return released + int(run.response_time_max("last") or 0)
 
 
 def compared(
@@ -294,21 +327,47 @@ def test_interrupts_that_a_more_urgent_job_requested_are_left_out_after_it_only(
 def test_interrupts_that_a_job_requests_itself_are_left_out_before_its_request_only() -> None:
     rows = [row for seed in SEEDS for row in compared(seed, case=requested_by_itself)]
     assert sum(bound < loose for _, bound, loose in rows) > len(rows) // 8
-
-    def sooner(seed: int) -> tuple[TaskSet, TaskSet, Known]:
-        """The device works from the release of the job on."""
-        simulated, analysed, known = requested_by_itself(seed)
-        low = simulated.task("low")
-        early = [
-            replace(task, phase=low.phase + 4 * number)
-            for number, task in enumerate(t for t in simulated if t.name.startswith("device"))
-        ]
-        for task in early:
-            simulated = simulated.with_task(task)
-        return simulated, analysed, known
-
+    sooner = partial(requested_by_itself, since_release=True)
     early = [row for seed in SEEDS for row in compared(seed, case=sooner)]
     assert any(seen > bound for seen, bound, _ in early)
+
+
+LOW, UPPER = Task("low", 20, 6, 1, phase=0), Task("upper", 20, 2, 2, phase=0)
+
+
+@pytest.mark.parametrize(
+    ("tasks", "times", "made", "stated"),
+    [
+        ((LOW,), range(8, 80, 4), Request("device", ("low",), 20), {"lasts": 0}),
+        ((UPPER, LOW), (0, 4, 8), Request("device", ("low", "upper"), 8), {"tasks": ("low",)}),
+    ],
+    ids=["by the job before", "by a more urgent job"],
+)
+def test_interrupts_that_another_job_requested_are_not_left_out(
+    tasks: tuple[Task, ...], times: Iterable[int], made: Request, stated: dict[str, Any]
+) -> None:
+    """If nothing is said of it, they show as a response above the bound."""
+    analysed = TaskSet((Task("device", 4, 1, 4, release="interrupt"), *tasks))
+    run = simulate(TaskSet((*_interrupts(times), *tasks)), 80)
+    made = replace(made, rest=(("low", 1),))
+    for request, holds in ((made, True), (replace(made, **stated), False)):
+        known = replace(plain_responses(analysed), requests=(request,))
+        found = phased_response_time_bound(analysed, LOW, NO_OVERHEADS, known).bound
+        assert found is not None and (run.response_time_max("low") <= found) == holds
+
+
+def test_the_section_before_a_request_counts_as_more_urgent_jobs_wait_for_its_end() -> None:
+    """The upper task is released just behind its beginning, and anew soon after the request."""
+    shared = CriticalSection("shared", 1)
+    top = Task("top", 10, 3, 3, phase=0, sections=(shared,))
+    low = Task("low", 80, 11, 1, phase=7, sections=(replace(shared, duration=7, start=2),))
+    analysed = TaskSet((Task("device", 4, 1, 4, release="interrupt"), top, low))
+    run = simulate(TaskSet((*_interrupts((16, 20, 24)), top, low)), 80)
+    for rest, holds in ((2 + 7, True), (2, False)):
+        request = Request("device", ("low",), 0, (("low", rest),))
+        known = replace(plain_responses(analysed), requests=(request,))
+        found = phased_response_time_bound(analysed, low, NO_OVERHEADS, known).bound
+        assert found is not None and (run.response_time_max("low") <= found) == holds
 
 
 def test_interrupts_that_a_kind_leaves_out_show_as_a_response_above_the_bound() -> None:

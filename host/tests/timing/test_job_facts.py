@@ -160,8 +160,11 @@ def test_interrupts_after_the_job_that_requests_them_is_over_are_told() -> None:
 def test_a_job_executes_no_more_after_its_request_than_the_bound_and_more_is_told() -> None:
     _, facts, _, analysis, recording = run()
     (found,) = rest_counts(analysis.requests, facts, recording, since=0)
-    job = next(timing.job for timing in analysis.tasks if timing.task.name == "display_task")
+    task, job = next((t.task, t.job) for t in analysis.tasks if t.task.name == "display_task")
     assert found.place == "display_task" and not found.excess
+    (remaining,) = filter(None, job.remaining)
+    section = job.longest_critical_section(2 * task.priority)
+    assert found.declared == remaining + section > remaining
     assert 0 < found.seen <= found.declared < job.cycles / 4
     rest = tuple((name, found.seen - 1) for name, _ in analysis.requests[0].rest)
     wrong = [replace(request, rest=rest) for request in analysis.requests]
