@@ -193,9 +193,10 @@ package body NXT.AVR is
    --  text: it lasts longer than a period if the co-processor holds the clock for 18 us after each
    --  byte, and may end while the link settles.
    procedure Complete_Transfer (This : in out Link) is
-      Good : Boolean := TWI.Status = TWI.Done;
+      Status : constant TWI.Transfer_Status := TWI.Status;
+      Good   : Boolean := Status = TWI.Done;
    begin
-      if This.Purpose = Text and then TWI.Status = TWI.Busy and then This.Quiet_Left > 1 then
+      if This.Purpose = Text and then Status = TWI.Busy and then This.Quiet_Left > 1 then
          return;
       end if;
       if Good and then This.Purpose = Readings then
@@ -207,7 +208,7 @@ package body NXT.AVR is
          Errors := Errors + 1;
          This.Failures (This.Purpose) := This.Failures (This.Purpose) + 1;
       end if;
-      if TWI.Status = TWI.Busy or else This.Failures (This.Purpose) > Tolerated_Failures then
+      if Status = TWI.Busy or else This.Failures (This.Purpose) > Tolerated_Failures then
          Handle_Loss (This);
       end if;
       Judge_Loss (This, Good);

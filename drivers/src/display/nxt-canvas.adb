@@ -56,12 +56,11 @@ package body NXT.Canvas is
       end New_Line;
 
       procedure Draw (Letter : Character; At_Column : Char_Columns; At_Row : Char_Rows) is
-         Left  : constant Pixel_Columns := Fonts.Left_Edge (At_Column);
-         Shape : constant Fonts.Glyph := Fonts.Shape_Of (Letter);
+         Left : constant Pixel_Columns := Fonts.Left_Edge (At_Column);
       begin
-         for Part in Shape'Range loop
+         for Part in Fonts.Glyph_Columns loop
             pragma Annotate (Ravenbrick, Iterations, 5, "the columns of a letter");
-            Content (At_Row) (Left + Part) := Shape (Part);
+            Content (At_Row) (Left + Part) := Fonts.Pixels_Of (Letter, Part);
          end loop;
       end Draw;
 

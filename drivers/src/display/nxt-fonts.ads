@@ -25,8 +25,9 @@ package NXT.Fonts with SPARK_Mode is
      with Pre => Column < Text_Columns;
    --  First column of pixels of a column of text.
 
+   function Pixels_Of (Letter : Character; Column : Glyph_Columns) return Interfaces.Unsigned_8;
    function Shape_Of (Letter : Character) return Glyph;
-   --  Blank for what is not printable.
+   --  A column, and all of them; blank for what is not printable.
 
    subtype Letter_Line is LCD.LCD_Line (0 .. 4);
 
@@ -135,6 +136,9 @@ private
       '|' => (2#00000000#, 2#00000000#, 2#01111111#, 2#00000000#, 2#00000000#),
       '}' => (2#01000001#, 2#01000001#, 2#00110110#, 2#00001000#, 2#00000000#),
       '~' => (2#00011000#, 2#00000100#, 2#00001000#, 2#00010000#, 2#00001100#));
+
+   function Pixels_Of (Letter : Character; Column : Glyph_Columns) return Interfaces.Unsigned_8 is
+     (if Letter in Printable then Shapes (Letter) (Column) else 0);
 
    function Shape_Of (Letter : Character) return Glyph is
      (if Letter in Printable then Shapes (Letter) else Shapes (' '));

@@ -25,40 +25,41 @@ package body NXT.LCD is
       Address_Of (4), Address_Of (5), Address_Of (6), Address_Of (7));
 
    type Buffer_Number is range 1 .. 2;
-   type Picture_Buffers is array (Buffer_Number) of Picture;
+
+   Buffers  : array (Buffer_Number) of Picture;
+   Commands : array (Buffer_Number, Pixel_Rows) of aliased SPI.Segment;
+   Pixels   : array (Buffer_Number, Pixel_Rows) of aliased SPI.Segment;
+   --  The lists of both buffers: each page with its address before it.
+
+   type Block is array (1 .. 8) of Unsigned_32;
+   type Blocks is array (1 .. Picture'Size / Block'Size) of Block;
+   --  What some registers hold: a picture is copied in half the time, for which tasks wait.
 
    protected Frames with Priority => Priorities.Shared_Data is
       procedure Show (Content : Picture);
    private
-      procedure Submit;
-      Buffers : Picture_Buffers;
-      Latest  : Buffer_Number := 1;
+      Latest : Buffer_Number := 1;
    end Frames;
    --  Latest: the buffer that was submitted last. The other one has been sent.
 
    protected body Frames is
 
-      procedure Submit is
-         List : SPI.Segment_List (1 .. SPI.Maximum_Segments);
-      begin
-         for Page in Pixel_Rows loop
-            List (1 + 2 * Page) :=
-              (SPI.Command, Page_Addresses (Page)'Address, Page_Address'Length);
-            List (2 + 2 * Page) :=
-              (SPI.Pixels, Buffers (Latest) (Page)'Address, Full_Line'Length);
-         end loop;
-         SPI.Submit (List);
-      end Submit;
-
       procedure Show (Content : Picture) is
          Withdrawn : Boolean;
+         Source    : Blocks with Import, Address => Content'Address;
       begin
          SPI.Withdraw (Withdrawn);
          if not Withdrawn then
             Latest := 3 - Latest;
          end if;
-         Buffers (Latest) := Content;
-         Submit;
+         declare
+            Target : Blocks with Import, Address => Buffers (Latest)'Address;
+         begin
+            for Part in Blocks'Range loop
+               Target (Part) := Source (Part);
+            end loop;
+         end;
+         SPI.Submit (Commands (Latest, 0)'Access);
       end Show;
 
    end Frames;
@@ -155,4 +156,15 @@ package body NXT.LCD is
       Command (16#40# or N);
    end Set_Scroll;
 
+begin
+   for Number in Buffer_Number loop
+      for Page in Pixel_Rows loop
+         Commands (Number, Page) :=
+           (Page_Address'Length, SPI.Command, Page_Addresses (Page)'Address,
+            Pixels (Number, Page)'Access);
+         Pixels (Number, Page) :=
+           (Full_Line'Length, SPI.Pixels, Buffers (Number) (Page)'Address,
+            (if Page < Pixel_Rows'Last then Commands (Number, Page + 1)'Access else null));
+      end loop;
+   end loop;
 end NXT.LCD;

@@ -17,7 +17,7 @@ package NXT.LCD is
 
    type LCD_Line is array (Pixel_Columns range <>) of Interfaces.Unsigned_8;
    subtype Full_Line is LCD_Line (Pixel_Columns);
-   type Picture is array (Pixel_Rows) of Full_Line;
+   type Picture is array (Pixel_Rows) of Full_Line with Alignment => 4;
 
    procedure Power_On;
    --  Reset the controller, set it up and switch the display on. Delays the caller by 40 ms.

@@ -12,83 +12,54 @@ package body NXT.SPI is
 
    Controller : Registers.SPI.Peripheral renames Registers.SPI.SPI;
 
-   type List_Number is range 1 .. 2;
-
-   type List_Buffer is record
-      Length : Natural := 0;
-      Parts  : Segment_List (1 .. Maximum_Segments);
-   end record;
-
-   type List_Buffers is array (List_Number) of List_Buffer;
-
    protected Transfer with Interrupt_Priority => Priorities.SPI_Interrupt is
-      procedure Submit (List : Segment_List);
+      procedure Submit (List : not null Segment_Access);
       procedure Withdraw (Withdrawn : out Boolean);
-      procedure Start_If_Idle (List : Segment_List; Started : out Boolean);
+      procedure Start_If_Idle (List : not null Segment_Access; Started : out Boolean);
       entry Await_Idle;
    private
       procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.SPI;
-      procedure Fill (Number : List_Number; List : Segment_List);
-      procedure Begin_List (Number : List_Number);
-      procedure Feed (Part : Segment);
+      procedure Feed (Part : not null Segment_Access);
       procedure Finish_Segment;
 
-      Lists   : List_Buffers;
-      Current : List_Number := 1;
-      Next    : Positive := 1;
-      Idle    : Boolean := True;
-      Waiting : Boolean := False;
+      Following : Segment_Access;
+      Waiting   : Segment_Access;
+      Idle      : Boolean := True;
    end Transfer;
-   --  Waiting: the list that is not Current begins when Current is through.
+   --  Following: the segment after the one that is being sent. Waiting: the list after this one.
 
    protected body Transfer is
 
-      procedure Feed (Part : Segment) is
+      procedure Feed (Part : not null Segment_Access) is
       begin
+         Idle := False;
+         Following := Part.Next;
          Bus.Announce (Part.Kind);
          Controller.PERIPH_TPR := Part.Start;
          Controller.PERIPH_TCR := Word (Part.Length);
          Controller.SPI_IER := DMA_Ended;
       end Feed;
 
-      procedure Fill (Number : List_Number; List : Segment_List) is
+      procedure Submit (List : not null Segment_Access) is
       begin
-         Lists (Number).Length := List'Length;
-         Lists (Number).Parts (1 .. List'Length) := List;
-      end Fill;
-
-      procedure Begin_List (Number : List_Number) is
-      begin
-         Current := Number;
-         Next := 1;
-         Idle := False;
-         Waiting := False;
-         Feed (Lists (Number).Parts (1));
-      end Begin_List;
-
-      procedure Submit (List : Segment_List) is
-         Other : constant List_Number := 3 - Current;
-      begin
-         Fill (Other, List);
          if Idle then
-            Begin_List (Other);
+            Feed (List);
          else
-            Waiting := True;
+            Waiting := List;
          end if;
       end Submit;
 
       procedure Withdraw (Withdrawn : out Boolean) is
       begin
-         Withdrawn := Waiting;
-         Waiting := False;
+         Withdrawn := Waiting /= null;
+         Waiting := null;
       end Withdraw;
 
-      procedure Start_If_Idle (List : Segment_List; Started : out Boolean) is
+      procedure Start_If_Idle (List : not null Segment_Access; Started : out Boolean) is
       begin
          Started := Idle;
          if Idle then
-            Fill (Current, List);
-            Begin_List (Current);
+            Feed (List);
          end if;
       end Start_If_Idle;
 
@@ -98,12 +69,13 @@ package body NXT.SPI is
       end Await_Idle;
 
       procedure Finish_Segment is
+         Part : constant Segment_Access := (if Following /= null then Following else Waiting);
       begin
-         if Next < Lists (Current).Length then
-            Next := Next + 1;
-            Feed (Lists (Current).Parts (Next));
-         elsif Waiting then
-            Begin_List (3 - Current);
+         if Following = null then
+            Waiting := null;
+         end if;
+         if Part /= null then
+            Feed (Part);
          else
             Idle := True;
          end if;
@@ -126,7 +98,7 @@ package body NXT.SPI is
 
    end Transfer;
 
-   procedure Submit (List : Segment_List) is
+   procedure Submit (List : not null Segment_Access) is
    begin
       Transfer.Submit (List);
    end Submit;
@@ -141,21 +113,17 @@ package body NXT.SPI is
       Transfer.Await_Idle;
    end Await_Idle;
 
-   --  A list submitted by another task may begin between the two calls.
-   procedure Start (List : Segment_List) is
+   --  A list submitted by another task may begin between two of the calls.
+   procedure Send (Kind : Segment_Kind; Data : System.Address; Length : Segment_Length) is
+      List    : aliased constant Segment := (Length, Kind, Data, Next => null);
       Started : Boolean;
    begin
       loop
          Transfer.Await_Idle;
-         Transfer.Start_If_Idle (List, Started);
+         Transfer.Start_If_Idle (List'Unchecked_Access, Started);
          exit when Started;
       end loop;
-   end Start;
-
-   procedure Send (Kind : Segment_Kind; Data : System.Address; Length : Segment_Length) is
-   begin
-      Start ((1 => (Kind, Data, Length)));
-      Await_Idle;
+      Transfer.Await_Idle;
    end Send;
 
    procedure Send (Is_Data : Boolean; Buf : System.Address; Len : Natural) is

@@ -1,7 +1,8 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Sending to the display: lists of segments, fed by the DMA controller and chained by interrupts.
+--  Sending to the display: linked segments, fed by the DMA controller one after the other in
+--  interrupts.
 
 with Interfaces;
 with System;
@@ -16,28 +17,31 @@ package NXT.SPI is
    Maximum_Length : constant := 2 ** 16 - 1;
    subtype Segment_Length is Positive range 1 .. Maximum_Length;
 
+   type Segment;
+   type Segment_Access is access constant Segment;
+
    type Segment is record
+      Length : Segment_Length;
       Kind   : Segment_Kind;
       Start  : System.Address;
-      Length : Segment_Length;
+      Next   : Segment_Access;
    end record;
-   --  Length bytes from Start on. They must stay as they are until the list is through.
+   --  Length bytes from Start on, and what follows in the list. Segments and bytes must stay as
+   --  they are until the list is through or withdrawn.
 
-   Maximum_Segments : constant := 16;
-   type Segment_List is array (Positive range <>) of Segment;
+   for Segment use record
+      Length at 0 range 0 .. 15;
+      Kind   at 2 range 0 .. 7;
+      Start  at 4 range 0 .. 31;
+      Next   at 8 range 0 .. 31;
+   end record;
 
-   procedure Submit (List : Segment_List)
-     with Pre => List'Length in 1 .. Maximum_Segments;
-   --  Send the segments in their order, after the list that is being sent. Returns at once. A list
+   procedure Submit (List : not null Segment_Access);
+   --  Send the segments from List on, after the list that is being sent. Returns at once. A list
    --  submitted before that has not begun is dropped. For one task at a time.
 
    procedure Withdraw (Withdrawn : out Boolean);
    --  Drop the list that was submitted last, unless it has begun.
-
-   procedure Start (List : Segment_List)
-     with Pre => List'Length in 1 .. Maximum_Segments;
-   --  Send the segments in their order; wait for the lists before, not for this one. For one task
-   --  at a time.
 
    procedure Await_Idle;
    --  Wait until the last list is through. For one task at a time.
