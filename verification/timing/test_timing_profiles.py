@@ -40,7 +40,7 @@ def test_bounds_are_above_what_is_seen_and_below_deadlines(example: str, profile
     """Of execution times and of responses, both with the same timing."""
     build_example(PEER)
     build_example(example)
-    options = ("--scenario", EXAMPLES[example], "--timing-profile", profile)
+    options = ("--scenario", EXAMPLES[example], "--timing-profile", profile, "--no-margins")
     answer = ravenbrick("analyse", f"examples/{example}", *options)
     assert answer["schedulable"]
     for task in answer["tasks"]:
@@ -54,5 +54,6 @@ def test_no_scenario_contradicts_a_fact(example: str, scenario: str) -> None:
     """Else `analyse` ends with an error."""
     build_example(PEER)
     build_example(example)
-    answer = ravenbrick("analyse", f"examples/{example}", "--scenario", scenario)
+    options = ("--scenario", scenario, "--no-margins")
+    answer = ravenbrick("analyse", f"examples/{example}", *options)
     assert answer["schedulable"]

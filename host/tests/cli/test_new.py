@@ -160,7 +160,7 @@ def test_from_new_to_a_run(name: str, tmp_path: Path) -> None:
     assert answer["scenario"] == TEMPLATES[name].scenario
     assert answer["criteria"] and all(criterion["met"] for criterion in answer["criteria"])
     assert Path(answer["recording"]).is_relative_to(project)
-    arguments = ("analyse", ".", "--scenario", TEMPLATES[name].scenario, "--json")
+    arguments = ("analyse", ".", "--scenario", TEMPLATES[name].scenario, "--no-margins", "--json")
     timing: dict[str, Any] = json.loads(run(project, *RAVENBRICK, *arguments))
     assert timing["schedulable"]
     assert all(task["ratio"] >= 1 and task["stack_bound_bytes"] for task in timing["tasks"])

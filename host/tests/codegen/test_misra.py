@@ -35,6 +35,7 @@ def clean(folder: Path) -> bool:
     return done.findings == Counter() and done.interface == 0
 
 
+@pytest.mark.long("40 programs through the MISRA rules")
 def test_every_block_s_c_has_no_finding(tmp_path: Path) -> None:
     """All blocks in single precision and in fixed point, those with helpers also in double."""
     cppcheck()

@@ -44,7 +44,7 @@ def test_no_response_beside_a_background_main_exceeds_its_bound(main: str) -> No
     program, analysis = _analysed(main)
     seen = observe(program.robot, program.run())
     assert set(seen) == {"control", "display"} and exceeded(analysis, seen) == []
-    result = result_of(analysis, seen)
+    result = result_of(analysis, seen, margins=False)
     assert result["schedulable"] and result["misses"] == []
     (thread,) = result["background"]
     assert thread["name"] == "environment" and thread["stack_bound_bytes"] is not None
@@ -97,7 +97,7 @@ def test_tasks_below_a_main_procedure_that_never_waits_miss_their_deadlines(
     program, analysis = _analysed(main)
     seen = observe(program.robot, program.run())
     assert exceeded(analysis, seen) == []
-    result = result_of(analysis, seen)
+    result = result_of(analysis, seen, margins=False)
     names = [words.split()[0] for words in delayed]
     assert not result["schedulable"] and [miss["name"] for miss in result["misses"]] == names
     (words,) = advice(result)

@@ -247,7 +247,7 @@ def test_a_run_that_leaves_a_mode_is_told_and_not_compared_with_it(tmp_path: Pat
     analysis, seen = analysed(found, found.facts), observe(found.robot, recording)
 
     def row(words: dict[str, str]) -> dict[str, Any]:
-        modes = result_of(analysis, seen, left=words)["tasks"][0]["modes"]
+        modes = result_of(analysis, seen, left=words, margins=False)["tasks"][0]["modes"]
         return next(mode for mode in modes if mode["name"] == "short")
 
     away, inside = row({"short": left}), row({})

@@ -178,7 +178,7 @@ fn snapshots_and_copies_start_without_jit_code_and_run_alike() {
 fn the_thread_ends_with_its_brick() {
     let _alone = alone();
     let elf = busy();
-    for count in 0..1_000 {
+    for count in 0..200 {
         let mut brick = brick(&elf, Engine::Fast);
         brick.run_until(5_000);
         if count % 10 == 0 {

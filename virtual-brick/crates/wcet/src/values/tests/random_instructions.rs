@@ -40,7 +40,7 @@ const STACK: u32 = DATA + BYTES + BYTES / 2;
 const BASES: [u32; 2] = [6, 7];
 /// Register with an address in the stack, where the stack is known.
 const LOCAL: u32 = 5;
-const SEQUENCES: u32 = 6_000;
+const SEQUENCES: u32 = 2_000;
 const LENGTH: u32 = 16;
 
 /// Words, one instruction, and whether something else was asked for.
