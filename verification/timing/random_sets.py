@@ -237,7 +237,7 @@ def campaign(sets: list[TaskSet], simso_sets: int) -> dict[str, Any]:
         found = ours(task_set)
         pairs = [*zip(names, found, theirs, strict=True)]
         if pycpa:
-            pairs.append(("pycpa", found[0], pycpa_bounds(task_set)))
+            pairs.append(("pyCPA", found[0], pycpa_bounds(task_set)))
         for name, left, right in pairs:
             if not compare(counts, name, left, right):
                 different.append(f"{name}: {left} {right} {task_set}")

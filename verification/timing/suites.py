@@ -30,8 +30,8 @@ __all__ = [
 
 HERE = Path(__file__).resolve().parent
 SETS, SIMSO_SETS, PROGRAMS = 10_000, 1_000, 1_000
-# Packages with the file of tools/requirements that installs them.
-OUTSIDE_TOOLS = {"pycpa": "pycpa", "simso": "timing"}
+# Modules, their names, and the file of tools/requirements that installs them.
+OUTSIDE_TOOLS = {"pycpa": ("pyCPA", "pycpa"), "simso": ("SimSo", "timing")}
 
 
 def _answer(module: str, *options: str) -> Any:
@@ -54,7 +54,7 @@ def random_sets() -> Counts:
     result = _answer("random_sets", "--sets", str(SETS), *options)
     _keep("random_sets", result)
     counts = result["counts"]
-    names = ("crate fixed priority", "crate with blocking", "crate earliest deadline", "pycpa")
+    names = ("crate fixed priority", "crate with blocking", "crate earliest deadline", "pyCPA")
     equal = sum(counts.get(f"{name} equal", 0) for name in names)
     different = sum(counts.get(f"{name} different", 0) for name in names)
     simulated = counts.get("simulator tasks", 0)
@@ -62,10 +62,10 @@ def random_sets() -> Counts:
     excluded = [
         {
             "count": 0,
-            "reason": f"no case counted, but {name} is compared: "
-            f"pip install -r tools/requirements/{OUTSIDE_TOOLS[name]}.txt",
+            "reason": f"{name} is not installed, and no case of it counted: "
+            f"pip install -r tools/requirements/{requirements}.txt",
         }
-        for name in absent
+        for name, requirements in (OUTSIDE_TOOLS[module] for module in absent)
     ]
     passed = equal + simulated - above
     return Counts(equal + different + simulated, passed, excluded, result["different"])

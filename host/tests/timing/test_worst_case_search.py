@@ -25,6 +25,7 @@ from ravenbrick.timing.observation.worst_case_search import (
     EXCEEDED,
     LINK_PERIOD_US,
     STUCK,
+    SUBNORMAL,
     WORDS,
     WorstSample,
     _aimed,
@@ -96,9 +97,31 @@ def test_the_link_is_lost_before_the_longest_job_or_a_release_of_its_task_in_it(
 def test_the_longest_word_is_as_long_as_a_frame_that_the_reader_takes() -> None:
     """One byte more, and the reader drops it before the end without a look at its check value."""
     longest = frame(bytes(LONGEST_CONTENT))
-    assert max(len(word) for word in WORDS) == len(longest)
+    assert max(len(word) for word in WORDS if word != SUBNORMAL) == len(longest)
     reader = FrameReader()
     assert list(reader.feed(WORDS[0])) == [] and list(reader.feed(longest)) != []
+
+
+def test_only_a_disturbed_variant_changes_parameters_to_the_least_number() -> None:
+    """A mode may exclude subnormal operands; it is observed in the others."""
+    robot = read_robot(VEHICLE)
+    scenario = read_scenario(scenario_path(VEHICLE, "step"), robot)
+    watched = replace(scenario, monitor=MonitorWindow("1234", 0, None), peer=None)
+    target: Any = Target()
+    image: Any = None
+    runner = _VariantRunner(robot, watched, image, target, ())
+    sample = WorstSample("t", 1, 0, (), MASTER_CLOCK.cycles_of_ms(50))
+    said: dict[bool, set[float]] = {False: set(), True: set()}
+    for seed in range(40):
+        for disturbed, found in said.items():
+            inputs = runner.vary((), disturbed, random.Random(seed))
+            found |= {timed.value for timed in inputs if timed.name == CHATTER}
+    word = float(WORDS.index(SUBNORMAL))
+    assert said == {False: set(map(float, range(len(WORDS)))) - {word}, True: said[False] | {word}}
+    for seed in range(40):
+        inputs = runner.disturb(sample, 0, random.Random(seed))
+        chatter = [timed for timed in inputs if timed.name == CHATTER]
+        assert all(c.value == word and c.at_cycles < sample.release_cycles for c in chatter)
 
 
 def test_facts_of_modes_are_told_apart_by_their_numbers() -> None:

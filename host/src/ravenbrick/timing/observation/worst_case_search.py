@@ -52,13 +52,17 @@ WRONG_SUMS, STUCK = "fault.coprocessor_checksum", "fault.twi_stuck"
 MOST_WRONG_SUMS, STUCK_AT_MOST_MS = 20, 60
 AIMED = 0.6
 # What a monitor says besides, by the value of this input: the longest frame that is none, requests
-# that mean nothing, changes that are refused, and the question for all descriptions.
+# that mean nothing, changes that are refused, and the question for all descriptions. The last word
+# changes parameters to the least number, with which products take longest; modes may exclude it.
 CHATTER = "monitor.chatter"
 CHATTER_BYTES = 256
 NOT_A_NUMBER = SetParameter(0, math.nan)
+LEAST_NUMBER = 2.0**-149
+SUBNORMAL = b"".join(frame(encode(SetParameter(index, LEAST_NUMBER))) for index in range(4))
 WORDS = (
     stuff(bytes(range(1, 1 + LONGEST_CONTENT + CHECK_BYTES))) + FRAME_END,
     *(frame(encode(message)) for message in (KeepAlive(), NOT_A_NUMBER, Ask())),
+    SUBNORMAL,
 )
 CHATTERS = 0.7
 # From the loss of the link, which ends what the bus is held in, to the greeting and to the reset.
@@ -171,6 +175,12 @@ def _aimed(
     return tuple(sorted((*sample.inputs, *kept), key=lambda timed: timed.at_cycles))
 
 
+def _saying(inputs: Sequence[TimedInput], word: int, at_cycles: int) -> tuple[TimedInput, ...]:
+    """A monitor that also says this word."""
+    more = TimedInput(at_cycles, CHATTER, float(word))
+    return tuple(sorted((*inputs, more), key=lambda timed: timed.at_cycles))
+
+
 def _talking(inputs: Sequence[TimedInput], window: MonitorWindow) -> MonitorWindow:
     """A monitor that says what the inputs tell, again and again for a while."""
     chatter = []
@@ -223,15 +233,20 @@ class _VariantRunner:
         """Inputs that differ a little from others."""
         inputs = _varied(base, self.end, self.switches, rng)
         if self._quiet.monitor is not None and rng.random() < CHATTERS:
-            more = TimedInput(rng.randrange(self.end), CHATTER, float(rng.randrange(len(WORDS))))
-            inputs = tuple(sorted((*inputs, more), key=lambda timed: timed.at_cycles))
+            word = rng.randrange(len(WORDS) if disturbed else WORDS.index(SUBNORMAL))
+            inputs = _saying(inputs, word, rng.randrange(self.end))
         return _taken(self._probe, _disturbed(inputs, self.end, rng) if disturbed else inputs)
 
     def disturb(
         self, sample: WorstSample, after_us: int, rng: random.Random
     ) -> tuple[TimedInput, ...]:
-        """Inputs of a sample with the link lost so long before its longest job."""
-        return _taken(self._probe, _aimed(sample, after_us, self.end, rng))
+        """Inputs of a sample with the link lost so long before its longest job, which a monitor has
+        perhaps made longer."""
+        inputs = _aimed(sample, after_us, self.end, rng)
+        if self._quiet.monitor is not None and rng.random() < CHATTERS:
+            at_cycles = rng.randrange(max(1, sample.release_cycles))
+            inputs = _saying(inputs, WORDS.index(SUBNORMAL), at_cycles)
+        return _taken(self._probe, inputs)
 
     def recording(self, inputs: Sequence[TimedInput]) -> Recording:
         """The whole run; the scenario's peer or monitor, if any, runs beside."""
