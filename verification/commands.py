@@ -31,10 +31,6 @@ class NoResultError(Exception):
     """A command ended without a result; the text has its last lines."""
 
 
-class NotRunError(Exception):
-    """Nothing could be judged on this machine; the text says what is absent."""
-
-
 @dataclass
 class Counts:
     """Cases of a suite, those that passed, and those left out: `count` and `reason` each.
@@ -53,6 +49,17 @@ class Counts:
     def judged(self) -> int:
         """Cases that were not left out."""
         return self.case_count - sum(e["count"] for e in self.excluded)
+
+
+class NotRunError(Exception):
+    """Nothing could be judged on this machine; the text says what is absent.
+
+    `held` is what the suite itself keeps of an earlier day, `date`.
+    """
+
+    def __init__(self, reason: str, held: Counts | None = None, date: str = "") -> None:
+        super().__init__(reason)
+        self.held, self.date = held, date
 
 
 def _pytest(paths: tuple[str, ...]) -> Counts:

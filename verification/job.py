@@ -42,13 +42,18 @@ def _result(suite: Suite, figures: bool) -> dict[str, Any]:
 
 
 def answer(suite: Suite, figures: bool = False) -> dict[str, Any]:
-    """Its counts or figures, or the `error` that ended it, or what is `absent`; and its time."""
+    """Its counts or figures, or the `error` that ended it, or what is `absent`; and its time.
+
+    Beside what is absent, the counts that are `held` of an earlier `date`, if the suite has some.
+    """
     start, used = time.monotonic(), _processor_s()
     found: dict[str, Any]
     try:
         found = _result(suite, figures)
     except NotRunError as error:
         found = {"absent": str(error)}
+        if error.held is not None:
+            found |= {"held": asdict(error.held), "date": error.date}
     except (NoResultError, SystemExit) as error:
         found = {"error": str(error)}
     except KeyboardInterrupt:

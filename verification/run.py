@@ -52,8 +52,13 @@ def why_not(answer: Answer) -> str:
 
 
 def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
-    """The row of a suite: its counts, or those of its last run with the reason why."""
+    """The row of a suite: its counts, or those of an earlier day with the reason why."""
     head: Row = {"area": suite.area, "suite": suite.name}
+
+    def counted(counts: Row) -> Row:
+        needed = {key: counts[key] for key in ("case_count", "passed", "excluded")}
+        return {**head, **needed, **{key: counts[key] for key in OPTIONAL_KEYS if counts.get(key)}}
+
     if "counts" in answer:
         counts, judged = answer["counts"], answer["judged"]
         passed = counts["passed"] == judged
@@ -63,16 +68,16 @@ def suite_row(suite: Suite, answer: Answer, last: Row | None) -> Row:
         if passed and reasons and last and last["passed"] > judged and suite.kind == "pytest":
             return {**last, "note": short(f"{today()}: only {judged} cases can run: {reasons}")}
         return {
-            **head,
+            **counted(counts),
             "date": today(),
-            **{key: counts[key] for key in ("case_count", "passed", "excluded")},
             **{key: answer[key] for key in ("elapsed_s", "processor_s")},
-            **{key: counts[key] for key in OPTIONAL_KEYS if counts.get(key)},
             "note": "" if passed else short(f"failed: {'; '.join(failures)}"),
         }
     empty: Row = {"case_count": 0, "passed": 0, "excluded": [], "elapsed_s": 0, "processor_s": 0}
-    note = short(f"{today()}: {why_not(answer)}")
-    return {**(last or {**head, **empty, "date": ""}), "note": note}
+    kept = last or {**head, **empty, "date": ""}
+    if "held" in answer and answer["date"] >= kept["date"]:
+        kept = {**empty, **counted(answer["held"]), "date": answer["date"]}
+    return {**kept, "note": short(f"{today()}: {why_not(answer)}")}
 
 
 @dataclass

@@ -15,9 +15,11 @@ from typing import Any, get_args, get_type_hints
 
 import pytest
 
+from tools.docs.tables import suites_table
 from verification import jobs, outside
 from verification.benchmarks.figures import Figure
-from verification.commands import Counts, function_of
+from verification.commands import Counts, NotRunError, function_of
+from verification.job import answer
 from verification.jobs import begin_order, grouped
 from verification.outside import Data, Repository
 from verification.run import Campaign, run_suites, suite_row
@@ -126,13 +128,32 @@ def test_a_row_is_kept_with_its_date_and_the_reason() -> None:
     assert "failed: no result" in suite_row(entry, {"error": "no result"}, LAST)["note"]
     skipped = {"count": 8, "reason": "no data"}
     counts = {"case_count": 9, "passed": 1, "excluded": [skipped], "failures": []}
-    answer = {"counts": counts, "judged": 1, "elapsed_s": 1.0, "processor_s": 1.0}
+    given = {"counts": counts, "judged": 1, "elapsed_s": 1.0, "processor_s": 1.0}
     tests = Suite("cpu", "one", "own", "itself", "pytest", ("verification",))
-    row = suite_row(tests, answer, LAST)
+    row = suite_row(tests, given, LAST)
     assert row["passed"] == 9 and "only 1 cases can run: no data" in row["note"]
     fewer = {"case_count": 1, "passed": 1, "excluded": [], "failures": []}
-    row = suite_row(tests, answer | {"counts": fewer}, LAST)
+    row = suite_row(tests, given | {"counts": fewer}, LAST)
     assert row["passed"] == 1 and not row["note"]  # tests went, none was skipped
+
+
+def held() -> Counts:
+    """A suite that does not run today and holds what it found on another day."""
+    raise NotRunError("many hours", Counts(60, 58, [{"count": 2, "reason": "alike"}]), "2026-03-04")
+
+
+def test_what_a_suite_holds_of_an_earlier_day_is_its_row_unless_a_later_run_was_whole() -> None:
+    """With that day's date; the harness calls it kept."""
+    entry = suite("one", "held")
+    found = answer(entry)
+    for last in (None, LAST):
+        row = suite_row(entry, found, last)
+        assert (row["date"], row["case_count"], row["passed"]) == ("2026-03-04", 60, 58)
+        assert row["excluded"] == [{"count": 2, "reason": "alike"}]
+        assert row["note"].endswith("not run: many hours") and row["elapsed_s"] == 0
+        assert "| 60 | 58 | 2: alike | 2026-03-04, kept; " in suites_table([row], [entry])
+    later = suite_row(entry, found, LAST | {"date": "2026-03-05"})
+    assert (later["date"], later["passed"]) == ("2026-03-05", 9)
 
 
 def test_a_part_of_the_benchmarks_that_cannot_run_is_named(
@@ -151,8 +172,8 @@ def test_a_row_has_what_its_suite_measured() -> None:
     """As a field of its own, which rows of other suites lack."""
     for measured in ([], ["a robot moves after 2 s"]):
         counts = asdict(Counts(2, 2, measured=measured))
-        answer = {"counts": counts, "judged": 2, "elapsed_s": 1.0, "processor_s": 1.0}
-        assert suite_row(suite("one"), answer, None).get("measured", []) == measured
+        given = {"counts": counts, "judged": 2, "elapsed_s": 1.0, "processor_s": 1.0}
+        assert suite_row(suite("one"), given, None).get("measured", []) == measured
 
 
 def test_suites_of_a_job_stay_together_and_long_ones_begin_first() -> None:

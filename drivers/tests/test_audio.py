@@ -27,7 +27,7 @@ Samples = npt.NDArray[np.float64]
 def played() -> Callable[[float, float], Samples]:
     """From two instants in ms to what was played between them, full scale 1."""
     device = Brick(virtual_brick.VirtualBrick(json.dumps(bench()), image_of("audio", "ram")))
-    device.run(1_400)
+    device.run(1_600)
     samples = np.frombuffer(device.device.sound(), "<i2") / FULL
     return lambda start, end: samples[round(start * RATE / 1000) : round(end * RATE / 1000)]
 
@@ -78,6 +78,17 @@ def test_a_sound_lasts_as_long_as_asked_for(played: Callable[[float, float], Sam
     """200 ms of a tone are that, to two buffers."""
     sounding = np.flatnonzero(np.abs(played(90, 390)) > 0.02)
     assert (sounding[-1] - sounding[0]) * 1000 / RATE == pytest.approx(200, abs=3)
+
+
+def test_a_recording_is_played_at_the_nearest_rate_that_the_clock_gives(
+    played: Callable[[float, float], Samples],
+) -> None:
+    """12 kHz is the clock by 62.57 times 64 bits: 63 are nearer than 62."""
+    rises = np.flatnonzero(np.diff((played(1_490, 1_590) > 0.1).astype(int)) > 0)
+    period_s = (rises[-1] - rises[0]) / (len(rises) - 1) / RATE
+    clock = CLOCK_NUMERATOR / CLOCK_DENOMINATOR
+    assert len(rises) == 800 // 16
+    assert period_s == pytest.approx(16 * 64 * round(clock / 64 / 12_000) / clock, rel=0.004)
 
 
 def test_the_time_remaining_counts_down(brick: Callable[..., Brick]) -> None:

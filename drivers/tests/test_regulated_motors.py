@@ -59,6 +59,16 @@ def test_an_angle_is_reached_and_held(brick: Callable[..., Brick], torque: float
         assert device.integer("arrivals") == 2
 
 
+def test_a_motor_one_degree_off_has_arrived(brick: Callable[..., Brick]) -> None:
+    """The tolerance is part of it: before the motor has moved at all."""
+    device = brick("regulated_motors")
+    device.run(AGAIN_MS - 10)
+    before = device.integer("angle_c")
+    device.run(AGAIN_MS + 40)
+    assert device.integer("arrivals") == 3
+    assert device.integer("angle_c") == before
+
+
 def test_an_angle_is_not_overshot(brick: Callable[..., Brick]) -> None:
     """On the way to two turns no angle beyond them is seen."""
     device = brick("regulated_motors")

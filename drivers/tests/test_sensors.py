@@ -61,7 +61,9 @@ def test_the_lamp_lights_the_surface(brick: Callable[..., Brick]) -> None:
 
 
 @pytest.mark.parametrize(("db", "hertz"), [(70.0, 1000.0), (80.0, 100.0), (90.0, 1000.0)])
-def test_sound_is_plain_then_weighted(brick: Callable[..., Brick], db: float, hertz: float) -> None:
+def test_sound_is_plain_weighted_and_plain_again(
+    brick: Callable[..., Brick], db: float, hertz: float
+) -> None:
     """The level is proportional to the pressure; dBA hears less of low tones."""
     device = brick("analogue_sensors", sensors=PORTS)
     device.set(10, "sound.2", db)
@@ -77,6 +79,9 @@ def test_sound_is_plain_then_weighted(brick: Callable[..., Brick], db: float, he
         assert device.integer("raw_sound") == pytest.approx(plain, abs=1)
     else:
         assert device.integer("raw_sound") > plain + 100
+    device.run(1_190)
+    assert device.integer("weighted") == 0
+    assert device.integer("raw_sound") == pytest.approx(plain, abs=1)
 
 
 def test_an_unplugged_light_sensor_reads_dark(brick: Callable[..., Brick]) -> None:

@@ -22,11 +22,12 @@ negated condition, a statement left out. It is *killed* when the tests of its ow
 *equivalent* when a person found that no behaviour can differ. Mutants are drawn by the seed among
 all of a room's; those that the compiler refuses are not counted. The score is the share of killed
 mutants among those that are not equivalent; 85 % in each room and 90 % in all are expected. A
-sample below 60 is a first look, with a margin of error of up to 20 points.
+sample below 60 is a first look, with a margin of error of up to 20 points. The date is that of the
+measurement: sources and tests may have changed since.
 [Verification](../internals/verification.md) explains how to run the campaign.
 
-| Room | Seed | Sampled | Killed | Equivalent | Score |
-|---|---:|---:|---:|---:|---:|
+| Room | Date | Seed | Sampled | Killed | Equivalent | Score |
+|---|---|---:|---:|---:|---:|---:|
 """
 SURVIVORS = """
 ## Survivors
@@ -50,8 +51,10 @@ def _code(mutant: str) -> str:
 
 def mutation_page(rows: list[Row]) -> str:
     """Rooms with their scores; every survivor with its verdict."""
-    scores = [f"| {row['room']} | {row['seed']} | {_score([row])}\n" for row in rows]
-    scores.append(f"| **all** | | {_score(rows)}\n")
+    scores = [
+        f"| {row['room']} | {row['date']} | {row['seed']} | {_score([row])}\n" for row in rows
+    ]
+    scores.append(f"| **all** | | | {_score(rows)}\n")
     survivors = [
         f"| {row['room']} | {_code(one['mutant'])} "
         f"| {one['verdict']}: {one['reason'] or 'not reviewed yet'} |\n"

@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import struct
@@ -175,6 +176,20 @@ def _many_bombs(path: Path, place: Place) -> None:
             archive.writestr(f"src/a{number}.c", bytes(900_000))
 
 
+def _same_name(path: Path, place: Place) -> None:
+    """Each has its own header and data (APPNOTE 4.3.6), so that nothing overlaps."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("src/a.c", bytes(1_000_000))
+    local, mark, head = stream.getvalue().partition(b"PK\1\2")
+    head = mark + head.partition(b"PK\5\6")[0]
+    count = 10_000
+    heads = [head[:42] + struct.pack("<L", n * len(local)) + head[46:] for n in range(count)]
+    sizes = count * len(head), count * len(local)
+    end = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, count, count, *sizes, 0)
+    path.with_suffix(".zip").write_bytes(b"".join([local * count, *heads, end]))
+
+
 def _deep(path: Path, place: Place) -> None:
     """Deeper than anybody means."""
     path.mkdir()
@@ -240,6 +255,13 @@ def _own_project(path: Path, place: Place) -> None:
     (path / "src" / "gnat.adc").write_text("pragma Restrictions (No_Tasking);")
 
 
+_WAITS = """extern volatile unsigned *ravenbrick_running_thread;
+extern const unsigned ravenbrick_thread_layout[];
+void hide(void) {
+  volatile unsigned *thread = ravenbrick_running_thread;
+  thread[ravenbrick_thread_layout[8] / 4] += 420480;
+  thread[ravenbrick_thread_layout[7] / 4] = 2;
+}"""
 COMPILER = [
     Attack("linker-option", "pragma Linker_Options", _ada(
         'pragma Linker_Options ("-Wl,-plugin,src/evil.so");\n'), r"tasks.*linker option.*plugin"),
@@ -294,7 +316,11 @@ COMPILER = [
         "const int ravenbrick_thread_layout[11] = {1, 64, 0, 4, 8, 12, 16, 20, 24, 28, 32};\n"),
         "a name of the run-time"),
     Attack("local-words", "the word of the running thread, known in one file only", _c(
-        "static volatile int ravenbrick_running_thread __attribute__((used));\n"), "", 99),
+        "static volatile int ravenbrick_running_thread __attribute__((used));\n"),
+        "a name of the run-time"),
+    Attack("local-function", "a late job whose function is called as one of the kernel", _late(
+        _WAITS.replace("void hide", "static __attribute__((noinline)) void ravenbrick_hide")
+        + "\nvoid hide(void) { ravenbrick_hide(); }"), "a name of the run-time"),
     Attack("odd-names", "symbols of the kernel in files that no check reads", _files(
         dict.fromkeys(("-x.c", "it's.c", "b__x.c"), "int ravenbrick__threads__x;\n")), "", 99),
     Attack("driver-unit", "a body of a driver", _file(
@@ -310,6 +336,12 @@ COMPILER = [
     Attack("debug-noise", "debug information that is none", _c("__asm__(\"" + "".join(
         f".section .debug_{name},\\\"\\\",%progbits\\n.fill 4000,1,0xff\\n"
         for name in ("info", "abbrev", "line", "frame")) + ".text\");\n"), "", 99),
+    Attack("terminal", "commands to the reader's terminal", _c(
+        "#error \x1b]0;owned\x07\x1b[2J\u202e\x9b31m\n"), "error .*owned"),
+    Attack("markup", "a page that runs in the reader's browser", _c(
+        "#error <script src=//example.org> ![](http://example.org) \\\\<b>\n"), "script"),
+    Attack("mounts", "where the grader's files lie", _c('#include "/proc/self/mountinfo"\n'), "."),
+    Attack("endless-file", "a device that never ends", _c('#include "/dev/zero"\n'), "."),
     Attack("long-line", "an error of 19,000 letters", _c(f"#error {'y' * 19_000}\n"), "yyy"),
     Attack("own-project", "its own project file, Makefile, robot.toml", _own_project, "", 99),
 ]  # fmt: skip
@@ -328,6 +360,8 @@ FILES = [
         path, _other_method), "cannot be read.*compression"),
     Attack("zip-bomb", "300 MB in 300 KB", _bomb, "too large"),
     Attack("zip-many-bombs", "400 files of 900 KB in 360 KB", _many_bombs, "more than 8 MB"),
+    Attack("zip-same-name", "10,000 files of 1 MB under one name, in 10 MB", _same_name,
+        "more than 8 MB"),
     Attack("rar", "another kind of archive", lambda path, place: path.with_suffix(
         ".rar").write_bytes(b"Rar!"), "submit a .zip"),
     Attack("named-pipe", "a pipe instead of an archive", _pipe, "not a file"),
@@ -367,11 +401,7 @@ BRICK = [
         "System'To_Address (16#7000_0000#); begin X := 1; end;"), ".", 5),
     Attack("late", "a job that takes two periods", _late("void hide(void) {}"), "missed", 9),
     Attack("forged-state", "a late job that says it waits", _late(
-        "extern volatile unsigned *ravenbrick_running_thread;\n"
-        "extern const unsigned ravenbrick_thread_layout[];\n"
-        "void hide(void) {\n  volatile unsigned *thread = ravenbrick_running_thread;\n"
-        "  thread[ravenbrick_thread_layout[8] / 4] += 420480;\n"
-        "  thread[ravenbrick_thread_layout[7] / 4] = 2;\n}"), "only the run-time writes", 5),
+        _WAITS), "only the run-time writes", 5),
     Attack("moved-clock", "a late job after a restart of the clock", _late(
         "#define PIT_MR (*(volatile unsigned *)0xFFFFFD30)\n"
         "void hide(void) {\n  unsigned mode = PIT_MR;\n  PIT_MR = 0;\n"

@@ -161,6 +161,8 @@ def _judged(made: dict[str, Attack], result: dict[str, Any]) -> list[Judged]:
         return []
     whole = json.dumps(result) + readable([result])
     lost = ", ".join(f"'{text}'" for text in PRIVATE if text in whole)
+    if not readable([result]).replace("\n", "").isprintable():
+        lost = "its terminal"
     missed = [row["found"] for row in result["checks"] if row["points"] < row["of"]]
     said = missed[0] if attack.at_most == 0 and missed else " / ".join(missed)
     return [Judged(attack, said, result["points"], result["of"], lost)]

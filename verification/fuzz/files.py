@@ -29,6 +29,7 @@ from ravenbrick.codegen import read_coder_model
 from ravenbrick.errors import RavenbrickError
 from ravenbrick.grading.answers import parse_wanted, read_answers
 from ravenbrick.grading.rubric import read_rubric
+from ravenbrick.grading.student_folder import read_class
 from ravenbrick.grading.submission import Submission, SubmissionError, read_files
 from ravenbrick.image.elf import read_image
 from ravenbrick.image.memory import memory_report
@@ -45,6 +46,8 @@ from ravenbrick.telemetry.frames import FRAME_END, LONGEST_CONTENT, FrameReader,
 from ravenbrick.telemetry.picture import signals_figure
 from ravenbrick.telemetry.window import LiveFigure
 from ravenbrick.timing.facts.facts import read_facts
+from ravenbrick.timing.results.bounds_file import read_bounds
+from ravenbrick.trace.design import read_design
 from ravenbrick.trace.recording import EVENT_TYPE, Recording, Signal, Stop
 
 from verification.fuzz.mutation import mutate_bytes
@@ -246,6 +249,10 @@ RUN_FILE = {
     "until_ms": 100,
     "digest": "0" * 64,
 }
+BOUNDS = b"""{"image_sha256": "", "tasks": [{"name": "a", "response_bound_cycles": 9},
+ {"name": "b", "response_bound_cycles": null}], "worst_paths": {}}"""
+FIGURES = b"""{"figures": {"gain": 1.5}, "diagram": "<svg/>", "estimators": [],
+ "sampled": {"time": [0, 1], "value": [0, 1.5], "settling_time": 1, "overshoot": 0}}"""
 DATA = ROOT / "data" / "virtual"
 RECORD = b'{"self_test": 1}\n{"row": "loop", "value": 5, "unit": "cycles"}\n{"finished": 1}\n'
 TASKS = b"""schema_version = 1
@@ -283,7 +290,7 @@ def _facts(path: Path) -> None:
 def file_readers(image: Path) -> list[Callable[[], FileReader]]:
     """Makers of one target for each kind of file."""
     models = sorted((ROOT / "examples" / "paper" / "models").glob("*.slx"))
-    plain = mutate_bytes
+    plain, bounded = mutate_bytes, read_image(image)
     rows: list[tuple[str, str, list[bytes], Callable[[Path], object], Callable[..., bytes]]] = [
         ("model.slx", "Simulink archives", _texts(*models), read_simulink, mutate_archive),
         ("model.mdl", "old Simulink models", [MODEL], read_simulink, mutate_text),
@@ -296,6 +303,11 @@ def file_readers(image: Path) -> list[Callable[[], FileReader]]:
         ("page.json", "runs saved in the page", [json.dumps(RUN_FILE).encode()],
          read_run_file, mutate_text),
         ("brick.jsonl", "records of self-tests", [RECORD], read_record, mutate_text),
+        ("timing.json", "bounds of an image", [BOUNDS],
+         lambda path: read_bounds(path, bounded), mutate_text),
+        ("design.json", "figures of a design", [FIGURES], read_design, mutate_text),
+        ("class.csv", "lists of a class", [b"id,name\nanna,Anna\nbob.2,Bob\n"],
+         read_class, mutate_text),
         ("data.json", "records of open data", _texts(*sorted(DATA.glob("*.json"))),
          read_data_record, mutate_text),
         ("image.elf", "images", [image.read_bytes()], _elf, plain),

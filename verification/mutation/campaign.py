@@ -30,12 +30,12 @@ from typing import Any
 from ravenbrick.atomic_write import atomic_write
 
 from tools.docs import tables
-from verification.commands import Counts, NoResultError, NotRunError
+from verification.commands import Counts, NotRunError
 from verification.mutation.executed import Executed
 from verification.mutation.mutants import Mutant, ranked
 from verification.mutation.one_build import one_build
 from verification.mutation.rooms import ROOMS, Room, digest_of
-from verification.mutation.scratch import Scratch
+from verification.mutation.scratch import Scratch, unchanged_s
 from verification.support.paths import ROOT
 
 RESULTS = ROOT / "verification" / "mutation" / "results.json"
@@ -109,21 +109,14 @@ class Judge:
                 file.touch()  # Cargo's products outlive the copy of an earlier run
         self._needed_s: dict[Path, float] = {}
 
-    def _unchanged_s(self, command: str) -> float:
-        passed, needed_s = self.scratch.run(command, LIMIT_S)
-        if not passed:
-            last = "\n".join(self.scratch.log.read_text(errors="replace").splitlines()[-20:])
-            raise NoResultError(f"{self.room.name}, nothing changed: {command} fails\n{last}")
-        return needed_s
-
     def _limit_s(self, tests: list[Path]) -> float:
         """For tests which have passed unchanged, once for each file; no file: all of the room."""
         keys = tests or [self.scratch.tree]
         new = [path for path in keys if path not in self._needed_s]
         if new:
             if not self._needed_s:
-                self._unchanged_s(self.room.build)
-            needed_s = self._unchanged_s(self.room.command(tests and new))
+                unchanged_s(self.scratch, self.room.build, LIMIT_S, builds=True)
+            needed_s = unchanged_s(self.scratch, self.room.command(tests and new), LIMIT_S)
             self._needed_s |= dict.fromkeys(new, needed_s / len(new))
         return 30 + 5 * sum(self._needed_s[path] for path in keys)
 
@@ -176,7 +169,7 @@ class PythonJudge(Judge):
 
     @cached_property
     def _executed(self) -> Executed:
-        self._unchanged_s(self.room.build)
+        unchanged_s(self.scratch, self.room.build, LIMIT_S, builds=True)
         return Executed(self.room, self.scratch, LIMIT_S)
 
     def _prepare(self, mutant: Mutant) -> None:
@@ -246,6 +239,7 @@ def measure(
     equivalent = [key for key, entry in known.items() if entry["verdict"] == "equivalent"]
     row = {
         "room": name,
+        "date": time.strftime("%Y-%m-%d", time.gmtime()),
         "seed": seed,
         "sampled": len(results),
         "killed": len(results) - len(survivors),
@@ -265,29 +259,40 @@ def score(rows: list[Row]) -> float:
     return sum(row["killed"] for row in rows) / max(of, 1)
 
 
-def suite(name: str) -> Counts:
-    """Mutants of a room: equivalent and reviewed ones left out, new survivors and low scores fail.
-
-    Raises `NotRunError` when the time did not suffice, or RAVENBRICK_MUTATION_MINUTES gives none;
-    the next run goes on there.
-    """
-    minutes = float(os.environ.get("RAVENBRICK_MUTATION_MINUTES", 0))
-    if not minutes:
-        raise NotRunError(
-            f"all rooms take many hours: RAVENBRICK_MUTATION_MINUTES={MINUTES} gives each so long"
-        )
-    row, new = measure(name, minutes=minutes)
-    if row["sampled"] < SAMPLE:
-        raise NotRunError(f"{row['sampled']} of {SAMPLE} mutants so far; run it again to go on")
+def counts(row: Row, new: list[str]) -> Counts:
+    """What a room's row holds; survivors without a verdict and a low score are failures."""
     if score([row]) < GOAL_ROOM:
-        new.append(f"{name}: {score([row]):.0%} are killed, {GOAL_ROOM:.0%} are expected")
+        low = f"{row['room']}: {score([row]):.0%} are killed, {GOAL_ROOM:.0%} are expected"
+        new = [*new, low]
     still_open = row["sampled"] - row["killed"] - row["equivalent"] - len(new)
     excluded = [
         {"count": row["equivalent"], "reason": "equivalent"},
         {"count": max(still_open, 0), "reason": "survive, with a verdict in verdicts.toml"},
     ]
     left_out = [entry for entry in excluded if entry["count"]]
-    return Counts(row["sampled"], row["killed"], left_out, new)
+    drawn = f"drawn by seed {row['seed']}, {score([row]):.0%} of those not equivalent are killed"
+    return Counts(row["sampled"], row["killed"], left_out, new, [drawn])
+
+
+def suite(name: str) -> Counts:
+    """Mutants of a room: equivalent and reviewed ones left out, new survivors and low scores fail.
+
+    Raises `NotRunError` when the time did not suffice, or RAVENBRICK_MUTATION_MINUTES gives none,
+    with what is held; the next run goes on there.
+    """
+    minutes = float(os.environ.get("RAVENBRICK_MUTATION_MINUTES", 0))
+    if minutes:
+        row, new = measure(name, minutes=minutes)
+        if row["sampled"] >= SAMPLE:
+            return counts(row, new)
+        reason = f"{row['sampled']} of {SAMPLE} mutants so far; run it again to go on"
+        raise NotRunError(reason, counts(row, new), row["date"])
+    reason = f"all rooms take many hours: RAVENBRICK_MUTATION_MINUTES={MINUTES} gives each so long"
+    row = next((row for row in tables.read_rows(RESULTS) if row["room"] == name), {})
+    if not row:
+        raise NotRunError(reason)
+    new = [one["mutant"] for one in row["survivors"] if not one["reason"]]
+    raise NotRunError(reason, counts(row, new), row["date"])
 
 
 def main(arguments: list[str]) -> int:

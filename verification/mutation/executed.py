@@ -27,12 +27,12 @@ from verification.commands import NoResultError
 from verification.mutation.mutants import Mutant
 from verification.mutation.recorder import TIMES
 from verification.mutation.rooms import Room, digest_of
-from verification.mutation.scratch import PATIENCE, Scratch
+from verification.mutation.scratch import PATIENCE, Scratch, unchanged_s
 
 __all__ = ["Executed", "File", "statement_lines"]
 
 PYTHON = ".venv/bin/python"
-OPTIONS = ("-q", "-p", "no:cacheprovider", "-p", "verification.mutation.recorder")
+OPTIONS = ("-q", "-ra", "-p", "no:cacheprovider", "-p", "verification.mutation.recorder")
 UNKNOWN_NAME = pytest.ExitCode.USAGE_ERROR
 # Spawned processes are recorded as well; what forks writes its lines when it ends.
 SETTINGS = """[run]
@@ -93,7 +93,7 @@ class Executed:
             self._count_apart(f"{room.sources}/{starter}", line, module)
 
     def _file(self, path: Path) -> File:
-        """Raises `NoResultError` when a test fails."""
+        """Raises `NoResultError` when a test fails, or all are skipped."""
         inside = path.relative_to(self.scratch.tree / self.room.tests)
         kept = (self.scratch.folder / "executed" / inside).with_suffix(".json")
         kept.parent.mkdir(parents=True, exist_ok=True)
@@ -115,9 +115,7 @@ class Executed:
         command = (
             f"{PYTHON} -m coverage run --rcfile={settings} -m pytest {shlex.join((*OPTIONS, name))}"
         )
-        if not self.scratch.run(f"export {TIMES}='{times}'; {command}", self.limit_s)[0]:
-            last = "\n".join(self.scratch.log.read_text(errors="replace").splitlines()[-20:])
-            raise NoResultError(f"{self.room.name}, nothing changed: {name} fails\n{last}")
+        unchanged_s(self.scratch, f"export {TIMES}='{times}'; {command}", self.limit_s, name)
         file = File(name, digest, json.loads(times.read_text("utf-8")))
         for one in sorted(folder.glob("lines.*")):
             found = CoverageData(str(one))

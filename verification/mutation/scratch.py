@@ -18,10 +18,10 @@ import sys
 from pathlib import Path
 from types import TracebackType
 
-from verification.commands import NotRunError
+from verification.commands import NoResultError, NotRunError
 from verification.support.paths import BUILD, ROOT
 
-__all__ = ["PLACE", "Scratch"]
+__all__ = ["PLACE", "Scratch", "unchanged_s"]
 
 PLACE = BUILD / "verification" / "mutation"
 MEMORY_KB = 6_000_000
@@ -30,6 +30,9 @@ PATIENCE = 20
 # Not tracked, but needed by some tests: products of the set-up.
 COPIED = ("build", "web/generated")
 LINKED = "web/node_modules"
+# As pytest, Cargo and Vitest say it; what the first says of tests that are left out.
+PASSED = re.compile(r"\b(\d+) passed\b")
+SKIPPED, LONG = "SKIPPED", "RAVENBRICK_LONG"
 # A Python finds our package beside its own folder, in the grader's sandbox, too.
 PYTHON = ".venv"
 
@@ -145,3 +148,23 @@ class Scratch:
         used_s = sum(60 * int(m) + float(f"{s}.{f}") for m, s, f in parts)
         self.used_s += used_s
         return done.returncode == 0, used_s
+
+
+def unchanged_s(
+    scratch: Scratch, command: str, limit_s: float, name: str = "", builds: bool = False
+) -> float:
+    """The processor time of a command that has to pass while nothing is changed.
+
+    Raises `NoResultError` with its last lines when it fails, and when it builds nothing and no test
+    of it passes: any mutant would survive tests that are skipped. Long tests may be all of a file.
+    """
+    passed, used_s = scratch.run(command, limit_s)
+    lines = scratch.log.read_text(errors="replace").splitlines()
+    what, last = f"{scratch.folder.name}, nothing changed: {name or command}", lines[-20:]
+    if not passed:
+        raise NoResultError("\n".join([f"{what} fails", *last]))
+    skipped = [line for line in lines if line.startswith(SKIPPED)]
+    long = bool(skipped) and all(LONG in line for line in skipped)
+    if not (builds or long or any(int(n) for n in PASSED.findall("\n".join(lines)))):
+        raise NoResultError("\n".join([f"{what}: no test passes, so it judges nothing", *last]))
+    return used_s

@@ -213,12 +213,18 @@ def test_what_runs_apart_is_judged_by_the_tests_that_start_it(room: tuple[Room, 
 
 
 def test_files_of_tests_must_pass_unchanged(room: tuple[Room, Copy]) -> None:
-    """The file and its last lines are named."""
+    """The file and its last lines are named; what skips judges nothing."""
     made, copy = room
     given: Any = copy
     (copy.tree / "tests" / "test_b.py").write_text("def test_no():\n    assert 1 == 2\n")
     with pytest.raises(NoResultError, match=r"nothing changed: tests/test_b.py fails[^~]*1 failed"):
         Executed(made, given, 60)
+    skipped = "import pytest\npytest.skip('no brick is built', allow_module_level=True)\n"
+    one = "import pytest\n\ndef test_no():\n    pytest.skip('no brick is built')\n"
+    for text, said in ((skipped, "fails"), (one, "no test passes")):
+        (copy.tree / "tests" / "test_b.py").write_text(text)
+        with pytest.raises(NoResultError, match=rf"{said}[^~]*no brick is built"):
+            Executed(made, given, 60)
 
 
 LINES = """a = 1

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from verification.commands import Counts, NoResultError, NotRunError
 from verification.mutation import campaign
 from verification.mutation.campaign import Judge, Outcomes, judged, score
 from verification.mutation.mutants import mutants_of, ranked
@@ -67,7 +69,8 @@ class Copy:
     """In place of a scratch copy: `build` refuses 'bad', `test` notices the first constant."""
 
     def __init__(self, tree: Path) -> None:
-        self.tree, self.log, self.runs = tree, tree / "log", 0
+        self.tree, self.folder, self.log, self.runs = tree, tree / "made", tree / "log", 0
+        self.log.write_text("1 passed, 2 skipped\n")
         self.commands: list[str] = []
 
     def said(self) -> str:
@@ -195,9 +198,45 @@ def test_files_of_tests_pass_unchanged_once_before_they_judge(room: Room, tmp_pa
 def test_a_room_whose_tests_fail_unchanged_is_not_judged(room: Room, tmp_path: Path) -> None:
     """The command and its last lines are named."""
     (tmp_path / "src" / "a.py").write_text("noticed = 7\nrefused = 9 + 8\n")
-    (tmp_path / "log").write_text("1 failed\n")
+    copy = Copy(tmp_path)
+    copy.log.write_text("1 failed\n")
     with pytest.raises(Exception, match="made, nothing changed: test fails\n1 failed"):
-        Judge(room, Copy(tmp_path)).outcome(room.mutants(tmp_path)[0])  # type: ignore[arg-type]
+        Judge(room, copy).outcome(room.mutants(tmp_path)[0])  # type: ignore[arg-type]
+
+
+SKIPPED = "SKIPPED [3] test_a.py:1: the cross toolchain is not installed"
+LONG = "SKIPPED [3] test_b.py:1: an hour: make conformance, or RAVENBRICK_LONG=1"
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        f"{SKIPPED}\n3 skipped",
+        f"{LONG}\n{SKIPPED}\n6 skipped",
+        "test result: ok. 0 passed; 2 ignored",
+    ],
+)
+def test_tests_that_are_all_skipped_judge_no_mutant(room: Room, tmp_path: Path, said: str) -> None:
+    """The reason is among the last lines."""
+    copy = Copy(tmp_path)
+    copy.log.write_text(f"{said}\n")
+    with pytest.raises(
+        NoResultError, match="test: no test passes, so it judges nothing\n"
+    ) as error:
+        Judge(room, copy).outcome(room.mutants(tmp_path)[0])  # type: ignore[arg-type]
+    assert str(error.value).endswith(said)
+
+
+@pytest.mark.parametrize(
+    "said", [LONG, f"{SKIPPED}\n2 passed, 3 skipped", "ok. 10 passed; 0 failed"]
+)
+def test_some_tests_may_be_skipped_and_long_ones_all(room: Room, tmp_path: Path, said: str) -> None:
+    """A file of long tests is no fault; nor is one test that lacks a program."""
+    copy = Copy(tmp_path)
+    copy.log.write_text(f"{said}\n")
+    judge = Judge(room, copy)  # type: ignore[arg-type]
+    outcomes = {judge.outcome(mutant) for mutant in room.mutants(tmp_path)}
+    assert outcomes == {"killed", "survived", "refused"}
 
 
 def test_the_score_leaves_equivalent_mutants_out() -> None:
@@ -208,6 +247,33 @@ def test_the_score_leaves_equivalent_mutants_out() -> None:
     ]
     assert score(rows[:1]) == pytest.approx(0.8)
     assert score(rows) == pytest.approx(0.85)
+
+
+@pytest.mark.parametrize("reason", ["a matter of taste", ""])
+def test_a_room_that_is_not_measured_now_holds_what_was_with_its_date(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reason: str
+) -> None:
+    """Killed ones have passed, equivalent ones are left out; a survivor needs a reason."""
+    monkeypatch.delenv("RAVENBRICK_MUTATION_MINUTES", raising=False)
+    monkeypatch.setattr(campaign, "RESULTS", tmp_path / "results.json")
+    with pytest.raises(NotRunError, match="many hours") as nothing:
+        campaign.suite("plant")
+    assert nothing.value.held is None
+    survivors = [
+        {"mutant": "a => b", "verdict": "equivalent", "reason": "alike"},
+        {"mutant": "c => d", "verdict": "open", "reason": reason},
+    ]
+    row = {"room": "plant", "date": "2026-03-04", "seed": 7, "sampled": 20, "killed": 18}
+    campaign.RESULTS.write_text(json.dumps([row | {"equivalent": 1, "survivors": survivors}]))
+    with pytest.raises(NotRunError) as error:
+        campaign.suite("plant")
+    assert error.value.date == "2026-03-04"
+    open_ones = [{"count": 1, "reason": "survive, with a verdict in verdicts.toml"}]
+    assert error.value.held == Counts(
+        20, 18, [{"count": 1, "reason": "equivalent"}, *(open_ones if reason else [])],
+        [] if reason else ["c => d"],
+        ["drawn by seed 7, 95% of those not equivalent are killed"],
+    )  # fmt: skip
 
 
 @pytest.mark.isolated

@@ -31,6 +31,7 @@ __all__ = [
     "ScenarioError",
     "ToolMissingError",
     "UsageError",
+    "printable",
     "shown_path",
 ]
 
@@ -185,6 +186,11 @@ class ConnectionFailedError(RavenbrickError):
     """A real brick cannot be reached or used."""
 
     exit_code = ExitCode.CONNECTION_FAILED
+
+
+def printable(text: str) -> str:
+    """Lines that any terminal shows as they are: what could command it, or hide text, is '?'."""
+    return "".join(c if c.isprintable() or c == "\n" else "?" for c in text.expandtabs(1))
 
 
 def shown_path(path: str | Path) -> str:

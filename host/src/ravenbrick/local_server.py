@@ -76,6 +76,8 @@ def packed_files(archive_file: Path) -> dict[str, bytes]:
 class PageHandler(BaseHTTPRequestHandler):
     """Hands out what `content_of` finds below the token."""
 
+    path = ""  # of a request that is none, which is answered too
+
     def __init__(self, *arguments: Any, token: str, **options: Any) -> None:
         self._token = token
         super().__init__(*arguments, **options)

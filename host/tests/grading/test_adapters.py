@@ -182,6 +182,21 @@ def test_the_text_is_one_row_a_check() -> None:
     assert "7 rad/s" not in rows[2]
 
 
+def test_no_tag_link_or_picture_of_a_submission_gets_into_the_text() -> None:
+    """As CommonMark takes it: after a backslash, which itself has none before it."""
+    text = "<script>\\\\<img src=x> ![a](//b) [c]: //d <//e>"
+    for result in (RESULT | {"submission": text}, *with_found(text)):
+        shown = readable([result]).replace("<br>", "")
+        assert "script" in shown
+        assert not re.search(r"(?<!\\)(?:\\\\)*[<\[]", shown)
+
+
+def with_found(text: str) -> list[dict[str, Any]]:
+    """The result with a row whose name, or finding, is a text."""
+    row = RESULT["checks"][0]
+    return [RESULT | {"checks": [row | {key: text}]} for key in ("name", "found")]
+
+
 def test_moodle_gets_an_id_a_grade_and_its_feedback_in_each_line() -> None:
     """MoodleDocs, "Grade import": grade and feedback of an item are imported together."""
     (row,) = csv.DictReader(io.StringIO(moodle([RESULT])))

@@ -37,7 +37,7 @@ RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 
 @pytest.fixture(scope="module")
 def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """One campaign over seven submissions, on two workers."""
+    """One campaign over all submissions, on two workers."""
     folder = tmp_path_factory.mktemp("grade")
     all_of = folder / "submissions"
     write_submission(all_of / "good")
@@ -48,6 +48,9 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     write_submission(
         all_of / "hostile", SOURCES["tasks.adb"].replace("package body Tasks is\n", linker)
     )
+    write_submission(all_of / "escapes", **{"extra.c": "#error \x1b]0;owned\x07 \u202e\x9b\n"})
+    c = "static void ravenbrick_hide(void) {}\nvoid (*hide)(void) = ravenbrick_hide;\n"
+    write_submission(all_of / "local", **{"extra.c": c})
     table = "package body Tasks is\nT : String (1 .. 60_000) := (others => ' ') with Volatile;\n"
     write_submission(
         all_of / "large", SOURCES["tasks.adb"].replace("package body Tasks is\n", table)
@@ -105,6 +108,20 @@ def test_options_for_the_host_s_linker_are_refused(graded: dict[str, Any]) -> No
     """They could load code into the linker; the compiler's record of them decides."""
     assert graded["hostile"]["points"] == 0
     assert "the linker option" in graded["hostile"]["checks"][0]["found"]
+
+
+def test_what_is_found_commands_no_terminal(graded: dict[str, Any]) -> None:
+    """Nor does it turn round the text behind it."""
+    found = graded["escapes"]["checks"][0]["found"]
+    assert "#error ?]0;owned? " in found and found.replace("\n", "").isprintable()
+
+
+def test_a_function_that_only_its_file_knows_has_no_name_of_the_run_time(
+    graded: dict[str, Any],
+) -> None:
+    """By the name, the run knows who may write what only the run-time writes."""
+    found = graded["local"]["checks"][0]["found"]
+    assert found == "defines ravenbrick_hide, a name of the run-time; choose another name"
 
 
 def test_the_report_names_the_isolation(graded: dict[str, Any]) -> None:
@@ -179,6 +196,15 @@ def test_an_archive_of_too_many_entries_is_refused(tmp_path: Path) -> None:
         for number in range(10_001):
             archive.writestr(f"{number}", "")
     with pytest.raises(SubmissionError, match="more than 10000 files"):
+        read_files(Submission("x", tmp_path / "x.zip"), ("src",))
+
+
+def test_files_of_one_name_count_with_all_that_is_read_of_them(tmp_path: Path) -> None:
+    """10,000 of them in 10 MB would take the grader 10 GB of reading."""
+    with zipfile.ZipFile(tmp_path / "x.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        for number in range(9):
+            archive.writestr(f"{number}/src/a.c", bytes(900_000))
+    with pytest.raises(SubmissionError, match="more than 8 MB of sources"):
         read_files(Submission("x", tmp_path / "x.zip"), ("src",))
 
 

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import socket
 import sys
 import threading
 import urllib.error
@@ -87,6 +89,51 @@ def ended(studio: Studio, task: str = "build") -> list[dict[str, Any]]:
                 calls.append(event)
             if event == {"kind": "idle", "task": task}:
                 return calls
+
+
+def status(address: str, request: bytes) -> str:
+    """The status of the answer, "" without one; before a version is known, only its page has it."""
+    host, _, port = address.removeprefix("http://").partition(":")
+    with socket.create_connection((host, int(port)), 60) as link:
+        link.sendall(request)
+        stream = link.makefile("rb")
+        line = stream.readline()
+        if line.startswith(b"HTTP/"):
+            return line.split()[1].decode()
+        return "".join(re.findall(r"code: (\d+)", stream.read().decode()))
+
+
+def head(line: str, *fields: str, body: str = "{}") -> bytes:
+    """A request of the own page with these header fields in place of the usual ones."""
+    own = [f"{line} HTTP/1.0", "Host: localhost", "Origin: http://localhost"]
+    usual = ["Content-Type: application/json", f"Content-Length: {len(body)}"]
+    return "\r\n".join([*own, *(fields or usual), "", body]).encode("latin-1")
+
+
+SAVE = f"POST /{TOKEN}/api/save"
+NO_TEXT = '{"path": "design.py", "text": "\\ud800", "version": null}'
+
+
+@pytest.mark.parametrize(
+    ("request_text", "expected"),
+    [
+        (b"GARBAGE\r\n\r\n", "400"),
+        (b"GET / HTTP/9.0\r\n\r\n", "505"),
+        (b"GET /" + b"x" * (65_537 - 5), "414"),
+        (head(SAVE, "Content-Type: application/json", "Content-Length: \xb2"), "413"),
+        (head(SAVE, "Content-Type: application/json", f"Content-Length: {'9' * 5_000}"), "413"),
+        (head(SAVE, body="[" * 100_000), "400"),
+        (head(SAVE, body=NO_TEXT), "400"),
+        (head(SAVE, body=NO_TEXT.replace("design", "\\ud800")), "400"),
+        (head(f"GET /{TOKEN}/results/{'x' * 300}.html"), "404"),
+        (head(f"GET /{TOKEN}/results/\0.html"), "404"),
+        (head(f"GET /{TOKEN}/api/file?path={'x' * 5_000}.py"), "403"),
+        (head(f"GET /{TOKEN}/api/events", "Last-Event-ID: \xb2"), "200"),
+    ],
+)
+def test_every_request_is_answered(address: str, request_text: bytes, expected: str) -> None:
+    """Whatever it is: an error of the server would be a traceback, and no answer."""
+    assert status(address, request_text) == expected
 
 
 @pytest.mark.parametrize(

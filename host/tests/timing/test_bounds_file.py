@@ -71,6 +71,11 @@ def test_bounds_are_those_of_this_image_only(tmp_path: Path) -> None:
         (b"{}", r"image_sha256: is missing"),
         (b'{"image_sha256": "", "tasks": [{"name": 1, "response_bound_cycles": "x"}]}', "tasks: "),
         (b'{"image_sha256": "", "tasks": 5}', "tasks: "),
+        (b"[" * 100_000, "tasks: too many values inside each other"),
+        (
+            b'{"image_sha256": "", "tasks": [{"name": 1, "response_bound_cycles": 1e999}]}',
+            "infinity",
+        ),
     ],
 )
 def test_a_file_of_something_else_is_refused_with_its_place(

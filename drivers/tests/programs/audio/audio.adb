@@ -2,8 +2,8 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 --  Sounds at fixed times: a tone of 440 Hz at 100 ms, a louder one of 5 kHz at 400 ms that is muted
---  for a while, a recorded square wave of 500 Hz at 700 ms, a tone replaced by another at 1 s. The
---  link to the co-processor goes on beside them.
+--  for a while, a recorded square wave of 500 Hz at 700 ms, a tone replaced by another at 1 s, the
+--  square wave at 12 kHz at 1.5 s. The link to the co-processor goes on beside them.
 
 with Ada.Real_Time;  use Ada.Real_Time;
 with Interfaces;     use Interfaces;
@@ -50,5 +50,7 @@ begin
    Play_Tone (Frequency => 1_000, Interval => 500, Volume => 100);
    Wait_Until (1_100);
    Play_Tone (Frequency => 2_000, Interval => 100, Volume => 100);
+   Wait_Until (1_500);
+   Play_Sample (Square'Address, Square'Length, Volume => 100, Rate => 12_000);
    Wait_Until (10_000);
 end Audio;

@@ -60,5 +60,8 @@ begin
    Stop (Motor_B, Final => NXT.Regulated_Motors.Float);
    Wait (Milliseconds (500));
    Run (Motor_B, 100);
+   Turn_To (Motor_C, Angle (Motor_C) + Tolerance);
+   Await_Arrival (Motor_C, Limit => Milliseconds (30), Success => Success);
+   Arrivals := Arrivals + Boolean'Pos (Success);
    Wait (Seconds (10));
 end Regulated_Motors;

@@ -20,7 +20,13 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from ravenbrick.cli import VERSION_LINE
-from ravenbrick.errors import InterruptError, RavenbrickError, UsageError, shown_path
+from ravenbrick.errors import (
+    InterruptError,
+    RavenbrickError,
+    UsageError,
+    printable,
+    shown_path,
+)
 
 __all__ = [
     "COMMANDS",
@@ -204,8 +210,8 @@ def _told(error: RavenbrickError, as_json: bool) -> int:
         with suppress(OSError):
             typer.echo(json.dumps({**failure, **error.data}, indent=1))
             return code
-    typer.echo(f"ravenbrick: {error.sentence}", err=True)
-    for line in error.detail.splitlines():
+    typer.echo(f"ravenbrick: {printable(error.sentence)}", err=True)
+    for line in printable(error.detail).splitlines():
         typer.echo(f"    {line}", err=True)
     return code
 

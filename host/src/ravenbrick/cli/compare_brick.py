@@ -26,6 +26,7 @@ from ravenbrick.hardware.usb_bricks import find_bricks
 from ravenbrick.image.build import build_image
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.image.raw_binary import flat_image
+from ravenbrick.json_values import json_values
 from ravenbrick.open_data.data_record import read_data_record
 from ravenbrick.open_data.making import loaded_digest, self_test_of
 from ravenbrick.project.robot import read_robot
@@ -56,8 +57,8 @@ def _assignment(text: str) -> tuple[str, Any]:
     if not equals or name not in names:
         raise UsageError(f"--alter {text}: expected NAME=VALUE; the names are {', '.join(names)}")
     try:
-        return name, json.loads(value)
-    except json.JSONDecodeError:
+        return name, json_values(value)
+    except ValueError:
         return name, value
 
 

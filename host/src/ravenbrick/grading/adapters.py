@@ -7,6 +7,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -30,6 +31,8 @@ NBGRADER = (
 )
 # Columns of a Canvas grade book before the assignments, in its order.
 CANVAS = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
+# CommonMark 2.4: a backslash before them takes away what they mean.
+MARKUP = re.compile(r"[\\<\[]")
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
@@ -42,7 +45,7 @@ def readable(results: list[Result]) -> str:
     lines: list[str] = []
     for result in results:
         total = f"{result['points']:g} of {result['of']:g}"
-        lines += [f"## {result['submission']}: {total}", ""]
+        lines += [f"## {_cell(result['submission'])}: {total}", ""]
         lines += [f"Isolation: {result['isolation']}", ""]
         lines += ["| Check | Points | Found |", "|---|---|---|"]
         for row in result["checks"]:
@@ -53,7 +56,8 @@ def readable(results: list[Result]) -> str:
 
 
 def _cell(text: str) -> str:
-    return "<br>".join(text.replace("|", "/").splitlines())
+    """Text in which no reader of Markdown finds a tag, a link or a picture."""
+    return "<br>".join(MARKUP.sub(r"\\\g<0>", text.replace("|", "/")).splitlines())
 
 
 def gradescope(results: list[Result]) -> str:

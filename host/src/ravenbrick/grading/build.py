@@ -63,7 +63,7 @@ LINKER = "linker/arm-none-eabi-gcc"
 CHECKED_LINK = rf"""#!/bin/sh
 refused() {{ echo "{REFUSED} $1" >&2; exit 1; }}
 found=$(grep -m 1 '^L ' *.ali) && refused "$found"
-found=$(ls *.o | grep -v '^b__' | xargs arm-none-eabi-nm -A -g --defined-only |
+found=$(ls *.o | grep -v '^b__' | xargs arm-none-eabi-nm -A --defined-only |
     grep -m 1 -E ' (ravenbrick_|(system|ada|interfaces|gnat)__)') && refused "$found"
 PATH=${{PATH#*:}} exec arm-none-eabi-gcc "$@"
 """

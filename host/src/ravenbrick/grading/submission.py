@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, printable
 from ravenbrick.grading.answers import ANSWERS_FILE
 
 __all__ = [
@@ -57,7 +57,7 @@ class Submission:
 def _readable(name: str) -> str:
     """A name that any terminal and file shows: the file system's may be any bytes."""
     text = os.fsencode(name).decode("utf-8", "backslashreplace")
-    shown = "".join(c if c.isprintable() and c != "/" else "?" for c in text)
+    shown = printable(text).replace("\n", "?").replace("/", "?")
     return shown.encode()[:NAME_MAX].decode("utf-8", "ignore") or "?"
 
 
@@ -191,7 +191,7 @@ def read_files(
     Raises `SubmissionError`, also when there are no sources but `must_have` is true.
     """
     files: dict[str, bytes] = {}
-    path = submission.path
+    path, read = submission.path, 0
     inside = _in_folder if path.is_dir() else _in_archive
     try:
         if path.is_symlink():
@@ -201,7 +201,8 @@ def read_files(
                 raise SubmissionError(f"has too many files, or '{name}' is too large")
             alone = name.name in (ANSWERS_FILE, DESIGN)
             files.setdefault(name.name if alone else f"{name.parent.name}/{name.name}", content)
-            if sum(map(len, files.values())) > TOTAL_MAX:
+            read += len(content)
+            if read > TOTAL_MAX:
                 raise SubmissionError(f"has more than {TOTAL_MAX // 1_000_000} MB of sources")
     except SubmissionError:
         raise

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ravenbrick.errors import UsageError
+from ravenbrick.errors import UsageError, printable
 from ravenbrick.grading.answers import ANSWERS_FILE, Answers, parse_wanted, read_answers
 from ravenbrick.grading.build import build_image, design_files, python_parts
 from ravenbrick.grading.isolation import Bounds, Isolation, isolation_named
@@ -167,6 +167,7 @@ def _judged(
 def _result(
     job: Job, rubric: Rubric, key: str, rows: list[dict[str, Any]], defect: str = ""
 ) -> dict[str, Any]:
+    rows = [{**row, "found": printable(row["found"])} for row in rows]
     result = {
         "submission": job.submission,
         "rubric": rubric.name,

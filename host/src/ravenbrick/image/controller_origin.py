@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ravenbrick.atomic_write import atomic_write
+from ravenbrick.json_values import json_values
 
 __all__ = ["ORIGIN_FILE", "read_origin", "replace_controller"]
 
@@ -40,7 +41,7 @@ def read_origin(folder: Path) -> Origin | None:
     if not file.is_file():
         return None
     try:
-        content = json.loads(file.read_text("utf-8"))
+        content = json_values(file.read_text("utf-8"))
         names = tuple(str(name) for name in content["files"])
         return Origin(file, str(content["command"]), str(content["model"]), names)
     except (OSError, ValueError, KeyError, TypeError):

@@ -14,6 +14,7 @@ from ravenbrick.errors import DesignError, shown_path
 from ravenbrick.image.build_settings import Settings
 from ravenbrick.image.controller_origin import read_origin
 from ravenbrick.image.manifest import file_digest
+from ravenbrick.json_values import json_values
 from ravenbrick.project.robot import ROBOT_FILE
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.subprocesses import run_script
@@ -62,7 +63,7 @@ def design_is_due(workspace: Workspace, settings: Settings) -> bool:
         return True
     if workspace.design_record.is_file():
         try:
-            record = json.loads(workspace.design_record.read_text("utf-8"))
+            record = json_values(workspace.design_record.read_text("utf-8"))
         except (OSError, ValueError):
             return True
         return bool(record != {"script": _digest(script), "made": made})

@@ -16,6 +16,7 @@ from typing import Any
 
 from ravenbrick.atomic_write import atomic_write
 from ravenbrick.errors import shown_path
+from ravenbrick.json_values import json_values
 
 __all__ = ["BuildManifest", "file_digest"]
 
@@ -85,7 +86,7 @@ class BuildManifest:
     def read(cls, path: Path) -> BuildManifest | None:
         """The manifest in a file; None where there is none that can be read."""
         try:
-            manifest = cls(**json.loads(path.read_bytes()))
+            manifest = cls(**json_values(path.read_bytes()))
         except (OSError, ValueError, TypeError):
             return None
         return manifest if manifest.version == VERSION else None

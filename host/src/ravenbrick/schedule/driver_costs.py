@@ -9,13 +9,13 @@ own tasks are tasks like any other. The table is `docs/reference/driver-costs.js
 from __future__ import annotations
 
 import difflib
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.json_values import json_values
 from ravenbrick.schedule.model import Overheads, Task
 from ravenbrick.schedule.quantity import Time, exact
 
@@ -84,7 +84,7 @@ def read_driver_costs(path: Path, unit: str) -> DriverCosts:
     if unit not in (*UNITS, CYCLES):
         raise CostError(f"needs times in {', '.join(UNITS)} or {CYCLES}, not in '{unit}'")
     try:
-        values = json.loads(path.read_text(encoding="utf-8"))
+        values = json_values(path.read_text(encoding="utf-8"))
         hertz = Fraction(*values["clock_hz"])
         operations = {row["name"]: row for row in values["operations"]}
         tasks = {row["name"]: row for row in values["tasks"]}

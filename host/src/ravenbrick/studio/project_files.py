@@ -134,7 +134,11 @@ class ProjectFiles:
         if not (_known(named) and _known(path.relative_to(self._project))):
             kinds = " ".join(LANGUAGES)
             raise FileError(403, f"{name}: the studio opens sources and data only: {kinds}")
-        if path.exists() and not path.is_file():
+        try:
+            ordinary = path.is_file() or not path.exists()
+        except OSError as error:
+            raise FileError(403, f"{name}: is no name of a file ({error.strerror})") from None
+        if not ordinary:
             raise FileError(403, f"{name}: is no ordinary file")
         return path
 

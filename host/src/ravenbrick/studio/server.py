@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from functools import partial
 from http.server import ThreadingHTTPServer
@@ -76,12 +77,12 @@ class _Handler(PageHandler):
             self._answer(lambda: self._obey(name, self._body()))
 
     def _body(self) -> dict[str, Any]:
-        length = self.headers.get("Content-Length", "")
-        if not length.isdigit() or int(length) > LARGEST_REQUEST:
+        length = _number(self.headers.get("Content-Length", ""))
+        if length is None or length > LARGEST_REQUEST:
             raise FileError(413, f"expected a request of at most {LARGEST_REQUEST} bytes")
         try:
-            body = json.loads(self.rfile.read(int(length)))
-        except ValueError:
+            body = json.loads(self.rfile.read(length))
+        except (ValueError, RecursionError):
             body = None
         if not isinstance(body, dict):
             raise FileError(400, "expected a JSON object")
@@ -112,8 +113,7 @@ class _Handler(PageHandler):
     def _send_events(self) -> None:
         """What happens, as it happens, until the page leaves."""
         studio = self._studio
-        last = self.headers.get("Last-Event-ID", "")
-        number = int(last) if last.isdigit() else 0
+        number = _number(self.headers.get("Last-Event-ID", "")) or 0
         self.send_response(200)
         self.send_header("Content-Type", "text/event-stream")
         self.end_headers()
@@ -138,9 +138,15 @@ class _Handler(PageHandler):
         self.wfile.flush()
 
 
+def _number(text: str) -> int | None:
+    """Of a header's field; None for anything else, and for more digits than any such number has."""
+    return int(text) if re.fullmatch("[0-9]{1,18}", text) else None
+
+
 def _text(body: dict[str, Any], name: str) -> str:
+    """Without halves of characters, which JSON can have and no file."""
     value = body.get(name)
-    if not isinstance(value, str):
+    if not isinstance(value, str) or re.search("[\ud800-\udfff]", value):
         raise FileError(400, f"{name}: expected a text")
     return value
 

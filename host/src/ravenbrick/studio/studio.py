@@ -72,9 +72,12 @@ class Studio:
     def result(self, name: str) -> bytes | None:
         """A report or picture of the project's results; None where there is none."""
         folder = self._workspace.results.resolve()
-        file = (folder / name).resolve()
-        inside = file.is_relative_to(folder) and file.suffix in RESULTS
-        return file.read_bytes() if inside and file.is_file() else None
+        try:
+            file = (folder / name).resolve()
+            inside = file.is_relative_to(folder) and file.suffix in RESULTS
+            return file.read_bytes() if inside and file.is_file() else None
+        except (OSError, ValueError):  # a name that no file can have
+            return None
 
     @contextmanager
     def listening(self) -> Iterator[None]:

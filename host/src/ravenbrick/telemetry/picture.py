@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ravenbrick.errors import printable
 from ravenbrick.report.plots.style import COLOURS, legend, new_figure, task_colour
 from ravenbrick.telemetry.log import RunLog
 from ravenbrick.telemetry.messages import SignalDescription
@@ -28,8 +29,7 @@ _LEGEND_SHARE = 0.2
 
 def verbatim(text: str) -> str:
     """A text from a brick for a picture: no formula begins in it, and nothing is unprintable."""
-    shown = "".join(c if c.isprintable() else "?" for c in text)
-    return shown.replace("$", r"\$")
+    return printable(text).replace("\n", "?").replace("$", r"\$")
 
 
 def units_of(run: RunLog) -> list[str]:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ravenbrick.errors import DesignError
+from ravenbrick.json_values import json_values
 
 __all__ = ["Design", "Estimator", "Response", "read_design"]
 
@@ -71,7 +71,7 @@ def _estimator(table: Mapping[str, Any]) -> Estimator:
 def read_design(path: Path) -> Design:
     """Read the design's figures; raises `DesignError`."""
     try:
-        content = json.loads(path.read_text("utf-8"))
+        content = json_values(path.read_text("utf-8"))
         return Design(
             responses={name: _response(content[name]) for name in NAMES if name in content},
             figures=content["figures"],
@@ -80,7 +80,7 @@ def read_design(path: Path) -> Design:
         )
     except FileNotFoundError:
         raise DesignError(f"{path}: there is no design yet; run 'ravenbrick design'") from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, OverflowError) as error:
         raise DesignError(
             f"{path}: not a design ({type(error).__name__}: {error}); run 'ravenbrick design' again"
         ) from None

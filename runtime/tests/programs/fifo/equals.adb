@@ -41,6 +41,7 @@ package body Equals is
       Note ('3');
       loop
          Suspend_Until_True (C_May_Run);
+         Set_True (A_May_Run);
          Three_Turns ('c');
       end loop;
    end C;
@@ -53,7 +54,6 @@ package body Equals is
          delay until Next;
          Note ('.');
          Set_True (C_May_Run);
-         Set_True (A_May_Run);
          Set_True (B_May_Run);
       end loop;
    end Releaser;

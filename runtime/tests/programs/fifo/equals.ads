@@ -1,8 +1,8 @@
 --  SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 --  SPDX-License-Identifier: Apache-2.0
 
---  Three tasks of one priority that a task of a higher priority releases in one go, and that
---  give way to each other by a delay until a time that has passed
+--  Three tasks of one priority, which give way to each other by a delay until a time that has
+--  passed. A task of a higher priority releases two in one go, and the first of them the third.
 
 package Equals is
 

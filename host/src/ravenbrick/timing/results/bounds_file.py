@@ -11,6 +11,7 @@ from typing import Any
 
 from ravenbrick.errors import ProjectFileError, UsageError
 from ravenbrick.image.elf import ElfImage
+from ravenbrick.json_values import json_values
 
 __all__ = ["own_bounds", "own_worst_paths", "read_bounds"]
 
@@ -26,7 +27,7 @@ def read_bounds(path: Path, image: ElfImage) -> dict[str, int]:
     if not path.is_file():
         raise UsageError(f"{path}: there is no such file; {ADVICE}")
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json_values(path.read_text(encoding="utf-8"))
         digest = content["image_sha256"]
         bounds = {
             str(task["name"]): int(task["response_bound_cycles"])
@@ -39,7 +40,7 @@ def read_bounds(path: Path, image: ElfImage) -> dict[str, int]:
         raise ProjectFileError(path, 1, "", f"not UTF-8 text; {ADVICE}") from None
     except KeyError as error:
         raise ProjectFileError(path, 1, str(error.args[0]), f"is missing; {ADVICE}") from None
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ProjectFileError(path, 1, "tasks", f"{error}; {ADVICE}") from None
     if digest != image.digest:
         raise UsageError(f"{path}: bounds another image than {image.path}; {ADVICE}")

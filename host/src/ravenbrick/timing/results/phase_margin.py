@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import DesignError
+from ravenbrick.json_values import json_values
 from ravenbrick.timing.chain import ChainDelay
 from ravenbrick.timing.results.result import microseconds
 
@@ -36,7 +36,7 @@ def read_loop(design_file: Path) -> Loop | None:
     if not design_file.is_file():
         return None
     try:
-        content = json.loads(design_file.read_text("utf-8"))
+        content = json_values(design_file.read_text("utf-8"))
         if "open_loop" not in content.get("loop", {}):
             return None
         from ravenbrick.control.analysis.metrics import crossovers
