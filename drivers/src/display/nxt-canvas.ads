@@ -10,7 +10,7 @@ with NXT.LCD;
 
 private package NXT.Canvas with Elaborate_Body is
 
-   subtype Char_Columns is Natural range 0 .. Fonts.Text_Columns - 1;
+   subtype Char_Columns is Fonts.Char_Columns;
    subtype Char_Rows    is LCD.Pixel_Rows;
 
    procedure Clear;

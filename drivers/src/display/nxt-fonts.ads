@@ -14,6 +14,8 @@ package NXT.Fonts with SPARK_Mode is
    Margin       : constant := 2;
    --  Blank columns left of the first cell: 16 cells of six in the middle of 100 columns.
 
+   subtype Char_Columns is Natural range 0 .. Text_Columns - 1;
+
    subtype Glyph_Columns is Natural range 0 .. Glyph_Width - 1;
 
    type Glyph is array (Glyph_Columns) of Interfaces.Unsigned_8;
@@ -21,13 +23,15 @@ package NXT.Fonts with SPARK_Mode is
 
    subtype Printable is Character range ' ' .. '~';
 
-   function Left_Edge (Column : Natural) return Natural is (Margin + Cell_Width * Column)
-     with Pre => Column < Text_Columns;
+   subtype Letter_Edges is LCD.Pixel_Columns range
+     Margin .. Margin + Cell_Width * (Text_Columns - 1);
+
+   function Left_Edge (Column : Char_Columns) return Letter_Edges is
+     (Margin + Cell_Width * Column);
    --  First column of pixels of a column of text.
 
-   function Pixels_Of (Letter : Character; Column : Glyph_Columns) return Interfaces.Unsigned_8;
    function Shape_Of (Letter : Character) return Glyph;
-   --  A column, and all of them; blank for what is not printable.
+   --  Blank for what is not printable.
 
    subtype Letter_Line is LCD.LCD_Line (0 .. 4);
 
@@ -136,9 +140,6 @@ private
       '|' => (2#00000000#, 2#00000000#, 2#01111111#, 2#00000000#, 2#00000000#),
       '}' => (2#01000001#, 2#01000001#, 2#00110110#, 2#00001000#, 2#00000000#),
       '~' => (2#00011000#, 2#00000100#, 2#00001000#, 2#00010000#, 2#00001100#));
-
-   function Pixels_Of (Letter : Character; Column : Glyph_Columns) return Interfaces.Unsigned_8 is
-     (if Letter in Printable then Shapes (Letter) (Column) else 0);
 
    function Shape_Of (Letter : Character) return Glyph is
      (if Letter in Printable then Shapes (Letter) else Shapes (' '));

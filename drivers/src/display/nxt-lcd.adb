@@ -31,7 +31,7 @@ package body NXT.LCD is
    Pixels   : array (Buffer_Number, Pixel_Rows) of aliased SPI.Segment;
    --  The lists of both buffers: each page with its address before it.
 
-   type Block is array (1 .. 8) of Unsigned_32;
+   type Block is array (1 .. 10) of Unsigned_32;
    type Blocks is array (1 .. Picture'Size / Block'Size) of Block;
    --  What some registers hold: a picture is copied in half the time, for which tasks wait.
 

@@ -2,6 +2,7 @@
 --  SPDX-License-Identifier: Apache-2.0
 
 with Ada.Interrupts.Names;
+with Ada.Synchronous_Task_Control;  use Ada.Synchronous_Task_Control;
 with NXT.Priorities;
 with NXT.Registers.SPI;  use NXT.Registers, NXT.Registers.SPI;
 with NXT.SPI.Bus;
@@ -12,11 +13,14 @@ package body NXT.SPI is
 
    Controller : Registers.SPI.Peripheral renames Registers.SPI.SPI;
 
+   Through : Suspension_Object;
+   --  Set when nothing is left to send. An entry would be looked at in each interrupt.
+
    protected Transfer with Interrupt_Priority => Priorities.SPI_Interrupt is
       procedure Submit (List : not null Segment_Access);
       procedure Withdraw (Withdrawn : out Boolean);
       procedure Start_If_Idle (List : not null Segment_Access; Started : out Boolean);
-      entry Await_Idle;
+      function Is_Idle return Boolean;
    private
       procedure Handle_Interrupt with Attach_Handler => Ada.Interrupts.Names.SPI;
       procedure Feed (Part : not null Segment_Access);
@@ -32,7 +36,6 @@ package body NXT.SPI is
 
       procedure Feed (Part : not null Segment_Access) is
       begin
-         Idle := False;
          Following := Part.Next;
          Bus.Announce (Part.Kind);
          Controller.PERIPH_TPR := Part.Start;
@@ -43,6 +46,7 @@ package body NXT.SPI is
       procedure Submit (List : not null Segment_Access) is
       begin
          if Idle then
+            Idle := False;
             Feed (List);
          else
             Waiting := List;
@@ -59,14 +63,12 @@ package body NXT.SPI is
       begin
          Started := Idle;
          if Idle then
+            Idle := False;
             Feed (List);
          end if;
       end Start_If_Idle;
 
-      entry Await_Idle when Idle is
-      begin
-         null;
-      end Await_Idle;
+      function Is_Idle return Boolean is (Idle);
 
       procedure Finish_Segment is
          Part : constant Segment_Access := (if Following /= null then Following else Waiting);
@@ -78,6 +80,7 @@ package body NXT.SPI is
             Feed (Part);
          else
             Idle := True;
+            Set_True (Through);
          end if;
       end Finish_Segment;
 
@@ -110,7 +113,9 @@ package body NXT.SPI is
 
    procedure Await_Idle is
    begin
-      Transfer.Await_Idle;
+      while not Transfer.Is_Idle loop
+         Suspend_Until_True (Through);
+      end loop;
    end Await_Idle;
 
    --  A list submitted by another task may begin between two of the calls.
@@ -119,11 +124,11 @@ package body NXT.SPI is
       Started : Boolean;
    begin
       loop
-         Transfer.Await_Idle;
+         Await_Idle;
          Transfer.Start_If_Idle (List'Unchecked_Access, Started);
          exit when Started;
       end loop;
-      Transfer.Await_Idle;
+      Await_Idle;
    end Send;
 
    procedure Send (Is_Data : Boolean; Buf : System.Address; Len : Natural) is
