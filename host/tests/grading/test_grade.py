@@ -18,9 +18,11 @@ import pytest
 from verification.support.submissions import RUBRIC, SOURCES, write_submission
 
 from ravenbrick.errors import ProjectFileError, UsageError
+from ravenbrick.grading import build
 from ravenbrick.grading.build import build_image
-from ravenbrick.grading.isolation import TRUST, isolation_named
+from ravenbrick.grading.isolation import TRUST, find_isolation, isolation_named
 from ravenbrick.grading.rubric import read_rubric
+from ravenbrick.grading.sandbox import Outcome, run_isolated
 from ravenbrick.grading.submission import (
     Submission,
     SubmissionError,
@@ -66,6 +68,28 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     answer = json.loads(first.stdout)
     assert json.loads(again.stdout) == answer
     return {r["submission"]: r for r in answer["results"]}
+
+
+@pytest.mark.isolated
+def test_only_what_a_submission_changed_is_compiled(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The objects of the reference project serve for the rest."""
+    said: list[str] = []
+
+    def told(*words: Any, **options: Any) -> Outcome:
+        outcome = run_isolated(*words, **options)
+        said.append(outcome.output)
+        return outcome
+
+    monkeypatch.setattr(build, "BUILD", build.BUILD.replace("gprbuild -q", "gprbuild"))
+    monkeypatch.setattr(build, "run_isolated", told)
+    sources = {f"src/{name}": text.encode() for name, text in SOURCES.items()}
+    sources["src/tasks.adb"] += b"--  own\n"
+    build_image(find_isolation(), read_rubric(RUBRIC), sources, tmp_path)
+    base, own = (set(re.findall(r"\[Ada\]\s+(\S+\.ad[bs])", text)) for text in said)
+    assert "main.adb" in base
+    assert own == {"tasks.adb"}
 
 
 def test_a_right_submission_gets_all_points(graded: dict[str, Any]) -> None:

@@ -161,6 +161,20 @@ def test_a_readable_path_cannot_be_written_and_its_neighbour_is_not_there(
 
 @pytest.mark.isolated
 @pytest.mark.parametrize("name", BORDERS)
+def test_instants_of_files_are_set_only_where_those_of_others_cannot_be(
+    name: str, tmp_path: Path
+) -> None:
+    """gprbuild compiles again what has another instant; Landlock does not guard instants."""
+    (tmp_path / "given").touch()
+    program = "import os; open('own', 'w'); os.utime('own', (1, 1)); print(os.stat('own').st_mtime)"
+    own = float(run(name, program, 5).result)
+    assert (own == 1) is (name == "bubblewrap")
+    run(name, f"import os; os.utime('{tmp_path}/given', (1, 1))", 5, (tmp_path / "given",))
+    assert (tmp_path / "given").stat().st_mtime != 1
+
+
+@pytest.mark.isolated
+@pytest.mark.parametrize("name", BORDERS)
 def test_a_child_ends_with_the_sandbox_and_gets_no_session_of_its_own(name: str) -> None:
     """It holds the pipes open and would be waited for."""
     program = "import os, time\nif os.fork() == 0:\n    os.setsid()\n    time.sleep(1000)"

@@ -58,7 +58,7 @@ class Bubblewrap(Isolation):
         readable: Sequence[Path],
         hidden: Sequence[Path],
     ) -> Iterator[tuple[list[str], Path]]:
-        whole = [*WITH_FILTER, str(filter_file()), self.program, "--seccomp", "9"]
+        whole = [*WITH_FILTER, str(filter_file(sets_instants=True)), self.program, "--seccomp", "9"]
         whole += ["--die-with-parent", "--new-session", *_namespaces(), *_system()]
         size = str(bounds.scratch_mb * MEGABYTE)
         whole += ["--size", size, "--perms", "1777", "--tmpfs", str(SCRATCH)]

@@ -38,9 +38,9 @@ REFUSED = (
     "sched_setscheduler sched_setattr"
 ).split()
 # The linker asks for these; that nothing happens harms nobody.
-WITHOUT_EFFECT = (
-    "chmod fchmod fchmodat fchmodat2 chown fchown lchown fchownat utime utimes utimensat futimesat"
-).split()
+WITHOUT_EFFECT = "chmod fchmod fchmodat fchmodat2 chown fchown lchown fchownat".split()
+# By the instants of files gprbuild knows what it compiled before.
+INSTANTS = "utime utimes utimensat futimesat".split()
 
 
 class Comparison(ctypes.Structure):
@@ -66,8 +66,11 @@ def _refuse(
 
 
 @functools.cache
-def filter_file() -> Path:
-    """A file with the filter, until this process ends; raises `IsolationError`."""
+def filter_file(sets_instants: bool) -> Path:
+    """A file with the filter, until this process ends; raises `IsolationError`.
+
+    `sets_instants` is for a border behind which files of others cannot be written to.
+    """
     try:
         library = ctypes.CDLL(LIBRARY)
     except OSError:
@@ -77,7 +80,7 @@ def filter_file() -> Path:
     context = ctypes.c_void_p(library.seccomp_init(ALLOW))
     for name in REFUSED:
         _refuse(library, context, name, errno.EPERM)
-    for name in WITHOUT_EFFECT:
+    for name in WITHOUT_EFFECT if sets_instants else WITHOUT_EFFECT + INSTANTS:
         _refuse(library, context, name, 0)
     # Its flags lie in memory, where no filter can look; without it the C library uses clone.
     _refuse(library, context, "clone3", errno.ENOSYS)

@@ -61,7 +61,8 @@ class Landlock(Isolation):
             if os.geteuid() == 0:
                 Path(above).chmod(0o711)
                 folder.chmod(0o777)
-            words = [sys.executable, "-I", "-S", str(CONFINEMENT), str(filter_file()), str(folder)]
+            words = [sys.executable, "-I", "-S", str(CONFINEMENT)]
+            words += [str(filter_file(sets_instants=False)), str(folder)]
             words += [str(path) for path in sorted(paths) if path.exists()]
             words += ["--list", *sorted({str(path.parent) for path in paths if _is_package(path)})]
             yield (
