@@ -12,9 +12,11 @@ pub const MASTER_CLOCK_HZ_DENOMINATOR: u64 = 7;
 /// Nominal frequency of the slow clock (internal RC oscillator).
 pub const SLOW_CLOCK_HZ: u64 = 32_768;
 
-/// Master clock cycles in `count` periods of the nominal slow clock, rounded down.
+/// Master clock cycles in `count` periods of the nominal slow clock, below 2^53, rounded down.
 pub(crate) const fn slow_clock_cycles(count: u64) -> Cycles {
-    count * MASTER_CLOCK_HZ_NUMERATOR / (MASTER_CLOCK_HZ_DENOMINATOR * SLOW_CLOCK_HZ)
+    const SCALE: u64 = MASTER_CLOCK_HZ_DENOMINATOR * SLOW_CLOCK_HZ;
+    let (whole, rest) = (count / SCALE, count % SCALE);
+    whole * MASTER_CLOCK_HZ_NUMERATOR + rest * MASTER_CLOCK_HZ_NUMERATOR / SCALE
 }
 
 /// Master clock cycles in `count` microseconds, rounded down.

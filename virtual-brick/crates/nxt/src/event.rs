@@ -113,12 +113,19 @@ pub struct EventLog {
     events: Vec<BoardEvent>,
     /// One of them may end the run.
     ends: bool,
+    /// As many end no run because they are too many.
+    room: usize,
 }
 
 impl EventLog {
     pub fn add(&mut self, at_cycles: Cycles, kind: BoardEventKind) {
         self.ends |= matches!(kind, BoardEventKind::Fault(_) | BoardEventKind::PowerOff(_));
         self.events.push(BoardEvent { at_cycles, kind });
+        self.ends |= self.events.len() > self.room;
+    }
+
+    pub fn set_room(&mut self, events: usize) {
+        self.room = events;
     }
 
     pub fn fault(&mut self, at_cycles: Cycles, fault: BoardFault) {

@@ -62,6 +62,12 @@ impl Trace {
         self.events.push(event, self.limits.events)
     }
 
+    /// Events that can still be appended.
+    #[must_use]
+    pub fn event_room(&self) -> usize {
+        self.limits.events.saturating_sub(self.events.len())
+    }
+
     /// Declare a signal; its samples start with the next row. Returns its position in a row.
     /// A name that is declared already keeps its position.
     pub fn declare_signal(&mut self, name: &str) -> usize {

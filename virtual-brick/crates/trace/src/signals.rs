@@ -83,9 +83,8 @@ impl Signals {
         self.at_cycles.truncate(rows);
         self.series.truncate(series);
         for series in &mut self.series {
-            series
-                .values
-                .truncate(rows.saturating_sub(series.first_row));
+            series.first_row = series.first_row.min(rows);
+            series.values.truncate(rows - series.first_row);
         }
         self.total = self.series.iter().map(|series| series.values.len()).sum();
     }

@@ -242,6 +242,18 @@ fn every_event_kind_has_its_own_number_and_name() {
 }
 
 #[test]
+fn a_signal_declared_late_goes_on_when_all_samples_are_forgotten() {
+    let mut trace = sample_trace();
+    trace.declare_signal("late");
+    trace.sample(40, &[0.25, 0.5]).unwrap();
+    assert!(!trace.take_events().is_empty());
+    assert!(!trace.digest().to_string().is_empty());
+    trace.sample(50, &[0.75, 1.0]).unwrap();
+    let late = trace.signals().get("late").unwrap();
+    assert_eq!((late.at_cycles, late.values), (&[50][..], &[1.0][..]));
+}
+
+#[test]
 fn a_trace_cut_back_to_a_mark_is_the_trace_of_that_time() {
     let mut trace = sample_trace();
     let (mark, digest) = (trace.mark(), trace.digest());

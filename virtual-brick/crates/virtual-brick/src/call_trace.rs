@@ -66,11 +66,12 @@ impl VirtualBrick {
         self.observe_arrivals();
     }
 
-    /// What is traced or counted is a step of its own.
+    /// What is traced or counted is a step of its own; blocks that contain it are forgotten.
     pub(crate) fn observe_arrivals(&mut self) {
         let traced = self.call_trace.functions.iter().copied();
         let addresses: Vec<u32> = traced.chain(self.flow_counts.addresses()).collect();
         self.chip.observe_arrivals_at(addresses);
+        self.blocks = self.blocks.new_like();
     }
 
     /// The calls so far, in the order of the functions' addresses.

@@ -162,7 +162,7 @@ impl Recorder {
             self.observe_writes(chip);
             end = end.or(self.forgery(instruction));
         }
-        self.write_pending(chip.now())?;
+        self.write_pending(chip)?;
         end.map_or(Ok(()), Err)
     }
 
@@ -198,14 +198,16 @@ impl Recorder {
         end
     }
 
-    fn write_pending(&mut self, now: u64) -> Result<(), Stop> {
+    fn write_pending(&mut self, chip: &mut Machine) -> Result<(), Stop> {
         if self.pending.len() > 1 {
             self.pending.sort_by_key(|event| event.at_cycles);
         }
         let mut events = self.pending.iter();
         let written = events.try_for_each(|event| self.trace.record(*event));
         self.pending.clear();
-        written.map_err(|error| stop(now, &error))
+        let room = self.trace.event_room();
+        chip.board_reports().set_event_room(room);
+        written.map_err(|error| stop(chip.now(), &error))
     }
 
     fn observe_writes(&mut self, chip: &mut Machine) {

@@ -147,7 +147,7 @@ impl VirtualBrick {
                 self.semihost(step)?
             };
             self.after_step(before)?;
-            self.check_stacks_after_step(stack_pointer);
+            self.check_stacks_after_step(before, stack_pointer);
             next = self.cpu.next_instruction_address();
             if self.dead_ends.needs_check(before, next) {
                 self.check_dead_end(before, step)?;
@@ -241,8 +241,11 @@ impl VirtualBrick {
 
     #[cold]
     fn attend(&mut self, instruction: u32) -> Result<(), Stop> {
+        let noticed = self.chip.has_watch_hits() | self.chip.fault().is_some();
         self.recorder.collect(&mut self.chip, Some(instruction))?;
-        self.check_stacks();
+        if noticed {
+            self.check_stacks();
+        }
         let Some(fault) = self.chip.fault() else {
             return Ok(());
         };

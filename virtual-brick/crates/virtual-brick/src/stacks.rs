@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Stacks that are too small: noticed when the lowest word of a stack is written or an event finds
-//! the stack pointer below it; from then on the pointer is followed step by step, to the byte.
+//! Stacks that are too small: noticed when a watched word, such as the lowest of a stack, is written
+//! or a large frame is taken; from then on the pointer is followed step by step, to the byte. All
+//! engines notice it at the same instant: blocks are left for both.
 
-use arm7tdmi::{psr, Mode};
+use arm7tdmi::instruction::Operation;
+use arm7tdmi::{psr, BlockBus, Instruction, Mode};
 
 use crate::backtrace::{self, Call};
 use crate::brick::VirtualBrick;
@@ -16,7 +18,7 @@ const RAM_BYTES: u32 = 0x1_0000;
 /// RAM, and as much below it: the lowest stack is near its beginning.
 const NEAR_RAM: std::ops::Range<u32> = 0x0020_0000 - RAM_BYTES..0x0020_0000 + RAM_BYTES;
 /// As in [`arm7tdmi::DataProcessing::takes_large_frame`].
-const LARGE_FRAME_BYTES: u32 = 128;
+const LARGE_FRAME_BYTES: i32 = 128;
 /// Where nothing tells the calls, they are looked for so often.
 const BACKTRACES_MAX: u8 = 4;
 const MISSING: &str = "ravenbrick_stack_missing";
@@ -180,7 +182,7 @@ impl VirtualBrick {
         stack.map_or(0, |stack| stack.missing(self.pointer_of(owner)))
     }
 
-    /// At an event. While threads are changed, in System mode with interrupts masked, the stack
+    /// At a write of a watched word, a large frame or a fault. While threads are changed, in System mode with interrupts masked, the stack
     /// pointer may still be the other thread's.
     pub(crate) fn check_stacks(&mut self) {
         let alarm = self.recorder.take_stack_alarm();
@@ -197,14 +199,35 @@ impl VirtualBrick {
         self.check_pointers();
     }
 
-    /// After a step of the reference engine, which makes all those that take a large frame; the
-    /// stack pointer was `before`.
+    /// After a step of the reference engine, which makes all those that take a large frame: from
+    /// the instruction at `address`, with the stack pointer at `before`.
     #[inline(always)]
-    pub(crate) fn check_stacks_after_step(&mut self, before: u32) {
+    pub(crate) fn check_stacks_after_step(&mut self, address: u32, before: u32) {
         if self.stacks.following {
             self.follow_stacks();
-        } else if before.wrapping_sub(self.cpu.register(STACK_POINTER)) >= LARGE_FRAME_BYTES {
+            return;
+        }
+        let taken = before.wrapping_sub(self.cpu.register(STACK_POINTER)) as i32;
+        if taken >= LARGE_FRAME_BYTES && self.takes_large_frame(address) {
             self.check_stacks();
+        }
+    }
+
+    /// What else moves a stack pointer as far, such as a change of threads, is no step of its own.
+    #[cold]
+    fn takes_large_frame(&self, address: u32) -> bool {
+        if self.chip.code_place(address).is_none() {
+            return false;
+        }
+        let word = self.chip.code_word(address & !3);
+        let instruction = if self.cpu.thumb() {
+            Instruction::thumb((word >> (8 * (address & 2))) as u16)
+        } else {
+            Instruction::arm(word)
+        };
+        match instruction.operation {
+            Operation::DataProcessing(processing) => processing.takes_large_frame(),
+            _ => false,
         }
     }
 

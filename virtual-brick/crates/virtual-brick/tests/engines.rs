@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! JIT code and blocks do what the reference engine does: same registers, memory, cycles, trace.
 
-use crate::support::arm::{Program, EQ, NE};
+use crate::support::arm::{Program, ALWAYS, EQ, NE};
 use crate::support::random::{self, Kind, Numbers};
-use crate::support::{image, vehicle};
+use crate::support::{image, requests, vehicle};
 use virtual_brick::{Access, CpuStep, Engine, StepObserver, StopReason, VirtualBrick};
 
 const RAM_BYTES: usize = 0x1_0000;
@@ -56,24 +56,82 @@ fn compare(elf: &[u8], seed: u64, pieces: u32, longest: u32) {
     }
 }
 
+/// What is recorded and where the run is stopped are random as well.
+fn compare_requests(kind: Kind, seeds: u64, longest: u32) {
+    for seed in 0..seeds {
+        if let Err(difference) = requests::compare(seed, kind, longest) {
+            panic!("{difference}");
+        }
+    }
+}
+
 #[test]
 fn random_programs_in_ram_with_interrupts_and_stores_into_code() {
-    for seed in 0..12 {
-        compare(&random::image(seed, Kind::Ram), seed, 12, 8_000);
-    }
+    compare_requests(Kind::Ram, 12, 8_000);
+}
+
+#[test]
+fn random_programs_with_peripherals_at_work() {
+    compare_requests(Kind::Devices, 20, 8_000);
 }
 
 #[test]
 fn random_programs_in_flash_with_wait_states() {
-    for seed in 0..6 {
-        compare(&random::image(seed, Kind::Flash), seed, 10, 200_000);
-    }
+    compare_requests(Kind::Flash, 6, 200_000);
 }
 
 #[test]
 fn random_programs_at_the_slow_clock() {
-    for seed in 0..8 {
-        compare(&random::image(seed, Kind::SlowFlash), seed, 6, 4_000_000);
+    compare_requests(Kind::SlowFlash, 8, 4_000_000);
+}
+
+/// Masked interrupts that the program sets, acknowledges and ends itself are two events each; the
+/// block goes on behind them.
+#[test]
+fn a_trace_that_fills_up_in_a_block_ends_the_run_there() {
+    let mut program = Program::new();
+    program.poke(0xFFFF_F010, 0x20).poke(0xFFFF_F120, 0x10); // source 4: edge, enabled
+    program.load(1, 0xFFFF_F000).load(5, 0x10);
+    let again = program.here();
+    program.str(5, 1, 0x12C); // AIC_ISCR
+    (0..6).for_each(|_| {
+        program.add(4, 1);
+    });
+    program.ldr(3, 1, 0x100).str(3, 1, 0x130).add(4, 1); // AIC_IVR, AIC_EOICR
+    program.branch(ALWAYS, again);
+    let elf = image(&program).build();
+    for events in 0..40 {
+        let stops = [Engine::Reference, Engine::Blocks, Engine::Fast].map(|engine| {
+            let mut configuration = vehicle();
+            configuration.engine = engine;
+            configuration.jit_threshold_runs = 2;
+            configuration.trace_limits.events = events;
+            let mut brick = VirtualBrick::new(&configuration, &elf).unwrap();
+            (brick.run_until(10_000), brick.processor().clone())
+        });
+        assert_eq!(stops[0].0.reason, StopReason::TraceFull);
+        assert_eq!(stops[0], stops[1]);
+        assert_eq!(stops[0], stops[2]);
+    }
+}
+
+/// Blocks that were decoded before do not hide a call.
+#[test]
+fn calls_are_traced_from_the_middle_of_a_run_on() {
+    let mut program = Program::new();
+    program.raw(0xEA00_0000).raw(0xE12F_FF1E); // b over the function: bx lr
+    let again = program.here();
+    program.raw(0xEBFF_FFFD).branch(ALWAYS, again); // bl to the function
+    let function = crate::support::RAM + 4;
+    let elf = image(&program).function("called", function).build();
+    for engine in [Engine::Reference, Engine::Blocks, Engine::Fast] {
+        let mut brick = brick(&elf, engine, 2);
+        brick.run_until(1_000);
+        brick.trace_calls(&["called".to_owned()]);
+        brick.run_until(2_000);
+        let calls = brick.traced_calls();
+        let seen = calls.iter().map(|call| call.cycles).collect::<Vec<_>>();
+        assert_eq!(seen, [(1_007, 1_997)], "{engine:?}");
     }
 }
 
@@ -208,7 +266,7 @@ fn blocks_run_up_to_an_event() {
     for _ in 0..20 {
         program.ldr(2, 9, 0).add(1, 1);
     }
-    program.branch(crate::support::arm::ALWAYS, again);
+    program.branch(ALWAYS, again);
     let elf = image(&program).build();
     for engine in [Engine::Blocks, Engine::Fast] {
         let mut brick = brick(&elf, engine, 2);

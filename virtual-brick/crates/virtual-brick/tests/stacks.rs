@@ -90,6 +90,15 @@ fn a_large_frame_overflows_without_a_write() {
     );
 }
 
+/// As when threads are changed: a stack pointer may be elsewhere for a moment.
+#[test]
+fn a_stack_pointer_that_is_set_below_the_stack_is_no_overflow() {
+    let below = 0xE24D_0F87; // sub r0, sp, #540
+    let (mov, back) = (0xE1A0_D000, 0xE280_DF87); // mov sp, r0; add sp, r0, #540
+    let found = overflows(STACK_BYTES, &[below, mov, back]);
+    assert!(found.is_empty(), "{found:?}");
+}
+
 #[test]
 fn a_stack_that_is_too_deep_at_the_end_may_become_deeper() {
     let found = overflows(8, &[PUSH_FOUR]);

@@ -224,7 +224,7 @@ impl<B: Board> Chip<B> {
     }
 
     /// Let the instructions at these addresses be steps of their own. Blocks that were decoded
-    /// before know nothing of it: to be called before the run.
+    /// before know nothing of it: the caller forgets them.
     pub fn observe_arrivals_at(&mut self, mut addresses: Vec<u32>) {
         addresses.sort_unstable();
         self.observed_arrivals = addresses;

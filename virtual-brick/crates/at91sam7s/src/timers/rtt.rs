@@ -150,4 +150,17 @@ mod tests {
         assert_eq!(timer.read(RTT_SR, at).unwrap(), ALMS | RTTINC);
         assert_eq!(timer.read(RTT_SR, at).unwrap(), 0);
     }
+
+    /// 2^32 - 2 more steps of 2^16 periods of the slow clock.
+    #[test]
+    fn an_alarm_in_272_years_does_not_come_now() {
+        let mut timer = Rtt::new(0);
+        timer.write(RTT_AR, 0, 0).unwrap();
+        timer.write(RTT_MR, ALMIEN | RTTRST, 0).unwrap();
+        let now = slow_clock_cycles(2 << 16);
+        timer.read(RTT_SR, now).unwrap();
+        timer.write(RTT_AR, 0xFFFF_FFFF, now).unwrap();
+        let years = timer.next_event(now) / (slow_clock_cycles(SLOW_CLOCK_HZ) * 31_557_600);
+        assert!((270..275).contains(&years), "{years}");
+    }
 }

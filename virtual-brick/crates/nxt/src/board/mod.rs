@@ -242,6 +242,12 @@ impl NxtBoard {
         self.log.take(taken);
     }
 
+    /// From now on, more events than this want attention at once: there is no room for them.
+    #[inline]
+    pub fn set_event_room(&mut self, events: usize) {
+        self.log.set_room(events);
+    }
+
     /// The inputs that this configuration has.
     #[must_use]
     pub fn inputs(&self) -> &[InputDescription] {

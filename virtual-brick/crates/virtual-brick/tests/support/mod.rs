@@ -9,7 +9,9 @@ pub mod cases;
 pub mod catalogue;
 #[path = "../../../image/tests/support/elf.rs"]
 pub mod elf;
+pub mod devices;
 pub mod random;
+pub mod requests;
 
 use std::sync::LazyLock;
 

@@ -4,16 +4,23 @@
 //! into their own code, exceptions, interrupts of random period, reads of a running timer.
 
 use super::arm::{Program, ALWAYS, NE};
+use super::devices;
 use super::elf::ElfBuilder;
 
-const RAM: u32 = 0x0020_2000;
+pub const RAM: u32 = 0x0020_2000;
 const FLASH: u32 = 0x0010_0000;
-const DATA: u32 = 0x0020_8000;
+pub const DATA: u32 = 0x0020_8000;
 const STACK: u32 = 0x0020_C000;
 /// Image register of the interval timer: tells the exact cycle of its reading.
 const TIMER: u32 = 0xFFFF_FD3C;
 /// Instructions before the set-up: eight vectors and the handlers.
-const HANDLERS: usize = 20;
+const fn handlers_length(kind: Kind) -> usize {
+    match kind {
+        Kind::Devices => 20 + devices::SERVE_LENGTH,
+        _ => 20,
+    }
+}
+
 /// ADD r3, r3, #1: what stores into code put there.
 const HARMLESS: u32 = 0xE283_3001;
 
@@ -33,7 +40,7 @@ impl Numbers {
         ((self.0 >> 32) as u32) % bound
     }
 
-    fn word(&mut self) -> u32 {
+    pub fn word(&mut self) -> u32 {
         self.below(u32::MAX)
     }
 
@@ -60,30 +67,46 @@ pub enum Kind {
     Flash,
     /// From flash at the slow clock.
     SlowFlash,
+    /// From RAM, with peripherals at work, watched words and stacks of threads.
+    Devices,
 }
 
 /// An image with a random program.
 pub fn image(seed: u64, kind: Kind) -> Vec<u8> {
     let numbers = &mut Numbers::new(seed);
-    let base = if kind == Kind::Ram { RAM } else { FLASH };
+    let base = base(kind);
     let mut program = Program::new();
-    handlers(&mut program);
+    handlers(&mut program, kind);
     set_up(&mut program, numbers, base, kind);
     let body = program.here();
     restore_pointers(&mut program, base);
     for _ in 0..30 + numbers.below(50) {
-        piece(&mut program, numbers, base, kind);
+        match (kind, numbers.below(4)) {
+            (Kind::Devices, 0) => devices::accesses(&mut program, numbers),
+            _ => piece(&mut program, numbers, base, kind),
+        }
     }
     program.branch(ALWAYS, body);
-    ElfBuilder::new(base)
-        .words(base, &program.words())
-        .function("start", base)
-        .build()
+    let words = program.words();
+    let elf = ElfBuilder::new(base).words(base, &words);
+    let elf = match kind {
+        Kind::Devices => devices::symbols(elf, numbers, words.len()),
+        _ => elf,
+    };
+    elf.function("start", base).build()
+}
+
+/// Where the program lies.
+pub const fn base(kind: Kind) -> u32 {
+    match kind {
+        Kind::Ram | Kind::Devices => RAM,
+        Kind::Flash | Kind::SlowFlash => FLASH,
+    }
 }
 
 /// Vectors, then: skip an instruction; return; serve the interval timer.
-fn handlers(program: &mut Program) {
-    for handler in [HANDLERS, 8, 8, 8, 9, 9, 10, 9] {
+fn handlers(program: &mut Program, kind: Kind) {
+    for handler in [handlers_length(kind), 8, 8, 8, 9, 9, 10, 9] {
         let offset = handler.wrapping_sub(program.here() + 2) as u32;
         program.raw(0xEA00_0000 | offset & 0x00FF_FFFF);
     }
@@ -93,15 +116,18 @@ fn handlers(program: &mut Program) {
     program.load(0, 0xFFFF_F000).load(1, 0xFFFF_FD38);
     program.ldr(2, 0, 0x100); // AIC_IVR
     program.ldr(2, 1, 0); // PIT_PIVR
+    if kind == Kind::Devices {
+        devices::serve(program);
+    }
     program.str(2, 0, 0x130); // AIC_EOICR
     program.load(1, DATA - 4).str(2, 1, 0);
     program.raw(0xE8BD_0007); // ldmia sp!, {r0-r2}
     program.raw(0xE25E_F004); // subs pc, lr, #4
-    assert_eq!(program.here(), HANDLERS);
+    assert_eq!(program.here(), handlers_length(kind));
 }
 
 fn set_up(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
-    if kind == Kind::Ram {
+    if base == RAM {
         for vector in 1..8 {
             let target = base + 4 * vector;
             let offset = target.wrapping_sub(4 * vector + 8) >> 2;
@@ -129,6 +155,9 @@ fn set_up(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
         4 + numbers.below(200)
     };
     program.poke(0xFFFF_FD30, 0x0300_0000 | period);
+    if kind == Kind::Devices {
+        devices::set_up(program, numbers);
+    }
     program.load(11, HARMLESS).load(12, TIMER).status(0x13);
 }
 
@@ -153,11 +182,12 @@ fn piece(program: &mut Program, numbers: &mut Numbers, base: u32, kind: Kind) {
         21 => {
             program.ldr(numbers.register(), 12, 0);
         }
-        22 if kind == Kind::Ram => store_into_code(program, numbers),
+        22 if base == RAM => store_into_code(program, numbers),
         23 => register_access(program, numbers),
         24 => status_access(program, numbers),
         25 => return_from_mode(program, numbers),
         26 => jump_by_table(program, numbers, base),
+        27 if kind == Kind::Devices => devices::stack_work(program, numbers),
         _ => {
             let oddities = [
                 0xEF00_0000,
