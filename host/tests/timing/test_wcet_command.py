@@ -61,6 +61,30 @@ def test_annotations_that_are_no_text_are_named_with_their_line(
     assert f"{facts}:2: not UTF-8 text" in said
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("# one\n[[interrupt]]\n", "2: unknown field `interrupt`, expected one of `loop`, "),
+        ("[[loop]]\nline =\n", "2: "),
+    ],
+)
+def test_annotations_of_another_form_are_named_with_their_line(
+    text: str, said: str, image: Path, tmp_path: Path
+) -> None:
+    """Such as the timing.toml of a project."""
+    facts = tmp_path / "facts.toml"
+    facts.write_text(text)
+    assert refused(3, image, FUNCTION, "--annotations", facts).startswith(f"{facts}:{said}")
+
+
+def test_a_damaged_image_is_named_beside_annotations_too(image: Path, tmp_path: Path) -> None:
+    half, facts = tmp_path / "half.elf", tmp_path / "facts.toml"
+    half.write_bytes(image.read_bytes()[:100_000])
+    facts.write_text("")
+    said = refused(6, half, FUNCTION, "--annotations", facts)
+    assert said.startswith(f"{half}: ELF file: ")
+
+
 def test_what_own_data_starts_from_needs_own_data(image: Path) -> None:
     assert "need --own-data; add it" in refused(2, image, FUNCTION, "--after", "adainit")
 

@@ -170,7 +170,7 @@ def wcet_command(
     calls = [*(after or []), symbol]
     try:
         for path, (_, text) in zip(annotations or [], files, strict=True):
-            check_annotation_file(path, text, content)
+            check_annotation_file(path, text, content, str(elf))
         if own_data:
             options["annotations"] = files
             result = _own_data(content, calls, any_content or [], options)

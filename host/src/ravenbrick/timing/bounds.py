@@ -5,13 +5,16 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import (
     ExitCode,
     ImageFileError,
+    ProjectFileError,
     RavenbrickError,
     UsageError,
 )
@@ -35,6 +38,7 @@ JobQuestion = tuple[str, tuple[str, ...], tuple[str, ...]]
 
 # Begin of the analysis' sentences about the ELF file itself.
 DAMAGE = "ELF file: "
+UNREAD = re.compile(r"(.*): TOML parse error at line (\d+), column \d+\n.*\n([^\n]+)\n*", re.DOTALL)
 
 
 class ExecutionTimeError(RavenbrickError):
@@ -217,6 +221,25 @@ def recursion_words(report: dict[str, Any]) -> list[str]:
     return words
 
 
+def answer_of(
+    elf: bytes, request: dict[str, Any], name: str, timing: str = "nominal", wait_states: int = 1
+) -> dict[str, Any]:
+    """What the analysis answers to a request about the image, which is called `name`.
+
+    Raises `ImageFileError` for a wrong image, `ProjectFileError` for an annotation file that cannot
+    be read, `UsageError` for another wrong annotation.
+    """
+    try:
+        text = brick_module().bound_execution_times(elf, json.dumps(request), timing, wait_states)
+    except ValueError as error:
+        if str(error).startswith(DAMAGE):
+            raise ImageFileError(f"{name}: {error}; it is damaged: build it again") from None
+        if unread := UNREAD.fullmatch(str(error)):
+            raise ProjectFileError(Path(unread[1]), int(unread[2]), "", unread[3]) from None
+        raise UsageError(str(error)) from None
+    return dict(json.loads(text))
+
+
 def execution_times(
     elf: bytes,
     *,
@@ -254,7 +277,7 @@ def execution_times(
     `element_bytes` and `range` (least and greatest element, without sign).
 
     Raises `ExecutionTimeError` when there is no bound, `ImageFileError` for a wrong image, which is
-    called `name`, `UsageError` for a wrong annotation.
+    called `name`, `ProjectFileError` or `UsageError` for a wrong annotation.
     """
     request = {
         "functions": list(functions),
@@ -278,13 +301,7 @@ def execution_times(
             "stack_pointer": known_memory[1],
             "inputs": [{"symbol": i} if isinstance(i, str) else i for i in inputs],
         }
-    try:
-        text = brick_module().bound_execution_times(elf, json.dumps(request), timing, wait_states)
-    except ValueError as error:
-        if str(error).startswith(DAMAGE):
-            raise ImageFileError(f"{name}: {error}; it is damaged: build it again") from None
-        raise UsageError(str(error)) from None
-    answer = json.loads(text)
+    answer = answer_of(elf, request, name, timing, wait_states)
     facts = annotations[0][0] if annotations else "an annotation file"
     _check_questions([*answer["functions"], *answer["jobs"], *answer["background"]], facts)
     return Bounds(

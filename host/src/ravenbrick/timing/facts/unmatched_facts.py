@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.image.elf import ElfImage
-from ravenbrick.installation import brick_module
 from ravenbrick.schemas.located_toml import KeyPath, LocatedToml
+from ravenbrick.timing.bounds import answer_of
 from ravenbrick.timing.facts.facts import Facts, annotations_of, has_unit, place_of
 
 __all__ = ["check_annotation_file", "check_facts"]
@@ -23,12 +22,10 @@ PLACES |= {"recursion": "recursion"}
 NAMING_ONE = ("suspension", "body", "flow")
 
 
-def _unmatched(elf: bytes, files: dict[str, str]) -> list[dict[str, Any]]:
-    """Facts of annotation files that match nothing, by the files' names."""
-    annotations = [{"name": name, "text": text, "own": True} for name, text in files.items()]
-    request = json.dumps({"annotations": annotations})
-    answer = json.loads(brick_module().bound_execution_times(elf, request))
-    return list(answer["unmatched"])
+def _unmatched(elf: bytes, name: str, files: dict[str, str]) -> list[dict[str, Any]]:
+    """Facts of annotation files, by their names, that match nothing in the image called `name`."""
+    annotations = [{"name": file, "text": text, "own": True} for file, text in files.items()]
+    return list(answer_of(elf, {"annotations": annotations}, name)["unmatched"])
 
 
 def _files(document: LocatedToml) -> tuple[dict[str, str], dict[str, KeyPath]]:
@@ -53,7 +50,7 @@ def check_facts(facts: Facts, image: ElfImage) -> None:
         return
     files, places = _files(document)
     own_names = {known: own for own, known in PLACES.items()}
-    for found in _unmatched(image.content, files):
+    for found in _unmatched(image.content, str(image.path), files):
         place = (*places[found["file"]], own_names[found["table"]], found["index"], found["field"])
         raise document.error(place, found["reason"] + REMEDY)
     _check_names(document, image)
@@ -79,9 +76,10 @@ def _check_names(document: LocatedToml, image: ElfImage) -> None:
                 raise document.error((table, index, "unit"), problem)
 
 
-def check_annotation_file(path: Path, text: str, elf: bytes) -> None:
-    """Raise `ProjectFileError` for the first fact of an annotation file that matches nothing."""
-    for found in _unmatched(elf, {str(path): text}):
+def check_annotation_file(path: Path, text: str, elf: bytes, name: str) -> None:
+    """Raise `ProjectFileError` for the first fact of an annotation file that matches nothing in the
+    image, which is called `name`; otherwise as `answer_of`."""
+    for found in _unmatched(elf, name, {str(path): text}):
         line = _line(text, found["table"], found["index"])
         field = f"{found['table']}[{found['index']}].{found['field']}"
         raise ProjectFileError(path, line, field, found["reason"] + REMEDY)
