@@ -340,7 +340,8 @@ COMPILER = [
         "#error \x1b]0;owned\x07\x1b[2J\u202e\x9b31m\n"), "error .*owned"),
     Attack("markup", "a page that runs in the reader's browser", _c(
         "#error <script src=//example.org> ![](http://example.org) \\\\<b>\n"), "script"),
-    Attack("mounts", "where the grader's files lie", _c('#include "/proc/self/mountinfo"\n'), "."),
+    Attack("mounts", "where the grader's files lie", _c(
+        '#include "/proc/self/mountinfo"\n'), "", 99),
     Attack("endless-file", "a device that never ends", _c('#include "/dev/zero"\n'), "."),
     Attack("long-line", "an error of 19,000 letters", _c(f"#error {'y' * 19_000}\n"), "yyy"),
     Attack("own-project", "its own project file, Makefile, robot.toml", _own_project, "", 99),

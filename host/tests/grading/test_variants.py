@@ -21,8 +21,8 @@ from ravenbrick.grading.isolation import TRUST
 from ravenbrick.grading.rubric import Rubric, read_rubric
 from ravenbrick.grading.student_folder import read_class, recorded_scenarios, write_folder
 from ravenbrick.grading.submission import Submission
-from ravenbrick.grading.variants import filled, new_key, read_key
-from ravenbrick.project.robot import read_robot
+from ravenbrick.grading.variants import drawn_motor, filled, new_key, read_key
+from ravenbrick.project.robot import Quantity, read_robot
 
 RUBRICS = ROOT / "docs" / "lessons" / "rubrics"
 KEY = bytes(range(32))
@@ -64,6 +64,15 @@ def test_own_constants_are_within_the_tolerances_of_the_catalogue() -> None:
         for name, own in sheet.variant(KEY, f"s{number}").robot.motors["own_b"].items():
             assert nominal[name].allows(own.value), name
             assert own.value >= 0 and own.allows(nominal[name].value - nominal[name].tolerance)
+
+
+def test_constants_with_a_tolerance_are_drawn_and_others_are_not() -> None:
+    """A tolerance of 1 is one as well."""
+    robot = rubric("lab-04").robot
+    motor = {"resistance": Quantity(8.0, "ohm", 1.0, ""), "inductance": Quantity(0.005, "H", 0, "")}
+    made = replace(robot, motors=dict.fromkeys(robot.motors, motor))
+    drawn = drawn_motor(made, "B", "seed")
+    assert drawn.keys() == {"resistance"} and drawn["resistance"] != 8.0
 
 
 def test_the_folder_of_a_sheet_with_known_constants_has_the_robot_that_is_graded(
