@@ -120,7 +120,7 @@ pub fn serve(program: &mut Program) {
 pub const SERVE_LENGTH: usize = 10;
 
 pub fn set_up(program: &mut Program, numbers: &mut Numbers) {
-    program.poke(PMC + 0x10, u32::MAX & !3);
+    program.poke(PMC + 0x10, !3);
     program.poke(AIC + 0x120, 2 | numbers.word() & SOURCES);
     program.poke(SPI + 0x30, 0x0402).poke(SPI, 1);
     program.status(0xDF).load(13, STACK + STACK_BYTES);
@@ -204,10 +204,10 @@ pub fn stack_work(program: &mut Program, numbers: &mut Numbers) {
     program.load(13, STACK + 8 * (1 + numbers.below(STACK_BYTES / 8)));
     for _ in 0..1 + numbers.below(4) {
         match numbers.below(5) {
-            0 => program.raw(0xE92D_000F),                         // push {r0-r3}
-            1 => program.raw(0xE8BD_000F),                         // pop {r0-r3}
-            2 => program.raw(0xE24D_D000 | 4 * numbers.below(64)), // sub sp, sp, #
-            3 => program.raw(0xE28D_D000 | 4 * numbers.below(64)), // add sp, sp, #
+            0 => program.raw(0xE92D_000F), // push {r0-r3}
+            1 => program.raw(0xE8BD_000F), // pop {r0-r3}
+            2 => program.raw(0xE24D_D000 | (4 * numbers.below(64))), // sub sp, sp, #
+            3 => program.raw(0xE28D_D000 | (4 * numbers.below(64))), // add sp, sp, #
             _ => return access(program, numbers),
         };
     }

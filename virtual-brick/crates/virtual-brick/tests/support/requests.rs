@@ -4,11 +4,9 @@
 //! engines answer a request alike.
 
 use virtual_brick::{
-    Access, Configuration, CpuStep, Engine, ScalarKind, StepObserver, Stop, StopReason, Timing,
-    VirtualBrick,
+    Access, Configuration, CpuStep, Engine, FlowPoint, ScalarKind, StepObserver, Stop, StopReason,
+    Timing, VirtualBrick,
 };
-
-use image::FlowPoint;
 
 use super::random::{self, Kind, Numbers};
 use super::vehicle;
