@@ -42,7 +42,8 @@ pub use configuration::{
 pub use engine::Engine;
 pub use flow_counts::{Arrival, FlowCount};
 pub use image::{
-    Image, ImageError, Line, Lines, ScalarKind, Section, Segment, Symbol, Symbols, Variable,
+    FlowPoint, Image, ImageError, Line, Lines, ScalarKind, Section, Segment, Symbol, Symbols,
+    Variable,
 };
 pub use inputs::InputError;
 pub use job_profile::{ProfileStep, ProfileWindow};

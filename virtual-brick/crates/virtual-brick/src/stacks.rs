@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Stacks that are too small: noticed when a watched word, such as the lowest of a stack, is written
-//! or a large frame is taken; from then on the pointer is followed step by step, to the byte. All
-//! engines notice it at the same instant: blocks are left for both.
+//! Stacks that are too small: noticed when a watched word, such as the lowest of a stack, is
+//! written or a large frame is taken; from then on the pointer is followed step by step, to the
+//! byte. All engines notice it at the same instant: blocks are left for both.
 
 use arm7tdmi::instruction::Operation;
 use arm7tdmi::{psr, BlockBus, Instruction, Mode};
@@ -182,8 +182,8 @@ impl VirtualBrick {
         stack.map_or(0, |stack| stack.missing(self.pointer_of(owner)))
     }
 
-    /// At a write of a watched word, a large frame or a fault. While threads are changed, in System mode with interrupts masked, the stack
-    /// pointer may still be the other thread's.
+    /// At a write of a watched word, a large frame or a fault. While threads are changed, in System
+    /// mode with interrupts masked, the stack pointer may still be the other thread's.
     pub(crate) fn check_stacks(&mut self) {
         let alarm = self.recorder.take_stack_alarm();
         let changing = self.cpu.mode() == Some(Mode::System) && self.cpu.cpsr() & psr::I != 0;

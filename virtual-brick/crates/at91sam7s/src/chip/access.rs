@@ -48,6 +48,7 @@ impl<B: Board> Chip<B> {
     #[inline(never)]
     fn read_other_register(&mut self, peripheral: Peripheral, offset: u32) -> Access<u32> {
         let now = self.now;
+        let before = self.request_at(peripheral, offset);
         let value = match peripheral {
             Peripheral::Pioa => self.pins.pio.read(offset)?,
             Peripheral::Mc => self.memories.read_register(offset, now)?,
@@ -57,8 +58,26 @@ impl<B: Board> Chip<B> {
                     .read(peripheral, offset, now, configuration)?
             }
         };
-        self.refresh_after_access(peripheral, offset);
+        if before.is_none() || self.request_at(peripheral, offset) != before {
+            self.refresh_after_access(peripheral, offset);
+        }
         Ok(value)
+    }
+
+    /// The interrupt request at a register of those that programs poll, where a read may end a
+    /// request and begins nothing; none of others.
+    #[inline]
+    fn request_at(&self, peripheral: Peripheral, offset: u32) -> Option<bool> {
+        match peripheral {
+            Peripheral::Pioa => Some(self.pins.pio.interrupt()),
+            Peripheral::Adc => Some(self.peripherals.adc.interrupt()),
+            Peripheral::Tc => {
+                let channels = &self.peripherals.tc.channels;
+                let of_channel = channels.get((offset / tc::CHANNEL_BYTES) as usize);
+                of_channel.map(tc::Channel::interrupt)
+            }
+            _ => None,
+        }
     }
 
     /// Write the register at a word address; effects take place now.

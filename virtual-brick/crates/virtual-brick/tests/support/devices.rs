@@ -47,7 +47,7 @@ const REGISTERS: &[Register] = &[
     (ADC + 0x1C, 0, 0),
     (ADC + 0x20, 0, 0), // LCDR
     (ADC + 0x24, 0, 0x1_0002),
-    (TWI, 4, 3),                // CR
+    (TWI, 4, 3),                    // CR
     (TWI + 0x04, 0x1_0000, 0x1000), // MMR
     (TWI + 0x10, 0x0101, 0x3F3F),
     (TWI + 0x20, 0, 0),
@@ -80,7 +80,7 @@ const REGISTERS: &[Register] = &[
     (0xFFFF_FD30, 0x0300_0010, 0xFF), // PIT_MR
     (0xFFFF_FD38, 0, 0),
     (0xFFFF_FD3C, 0, 0),
-    (0xFFFF_FD40, 0xA500_0001, 0),  // WDT_CR
+    (0xFFFF_FD40, 0xA500_0001, 0),   // WDT_CR
     (0xFFFF_FF60, 0x34_0000, 0x300), // MC_FMR
     (PMC + 0x04, 0, 1),              // SCDR: the processor stops
     (PMC + 0x30, 7, 8),              // MCKR
@@ -99,9 +99,9 @@ const REGISTERS: &[Register] = &[
 
 /// Offsets in a timer channel.
 const TIMER_REGISTERS: &[Register] = &[
-    (0x00, 1, 6),            // CCR
-    (0x04, 0, 0xC003),       // CMR: capture, or wave up or up to RC
-    (0x10, 0, 0),            // CV
+    (0x00, 1, 6),      // CCR
+    (0x04, 0, 0xC003), // CMR: capture, or wave up or up to RC
+    (0x10, 0, 0),      // CV
     (0x14, 0, 0xFF),
     (0x1C, 0, 0x3FF), // RC
     (0x20, 0, 0),     // SR
@@ -120,7 +120,7 @@ pub fn serve(program: &mut Program) {
 pub const SERVE_LENGTH: usize = 10;
 
 pub fn set_up(program: &mut Program, numbers: &mut Numbers) {
-    program.poke(PMC + 0x10, u32::MAX & !3);
+    program.poke(PMC + 0x10, !3);
     program.poke(AIC + 0x120, 2 | numbers.word() & SOURCES);
     program.poke(SPI + 0x30, 0x0402).poke(SPI, 1);
     program.status(0xDF).load(13, STACK + STACK_BYTES);
@@ -146,8 +146,16 @@ pub fn symbols(elf: ElfBuilder, numbers: &mut Numbers, length: usize) -> ElfBuil
         .object("ravenbrick_running_thread", RUNNING, 4)
         .object("ravenbrick_first_thread", FIRST, 4)
         .object("ravenbrick_thread_layout", LAYOUT, 44)
-        .object("ravenbrick_handler_stack", HANDLER_STACK, HANDLER_STACK_BYTES)
-        .object("ravenbrick_handler_stack_top", HANDLER_STACK + HANDLER_STACK_BYTES, 4)
+        .object(
+            "ravenbrick_handler_stack",
+            HANDLER_STACK,
+            HANDLER_STACK_BYTES,
+        )
+        .object(
+            "ravenbrick_handler_stack_top",
+            HANDLER_STACK + HANDLER_STACK_BYTES,
+            4,
+        )
         .object("patch", place(), 4)
         .object("number", DATA + 0x20, 4)
         .function("called", place())
@@ -196,10 +204,10 @@ pub fn stack_work(program: &mut Program, numbers: &mut Numbers) {
     program.load(13, STACK + 8 * (1 + numbers.below(STACK_BYTES / 8)));
     for _ in 0..1 + numbers.below(4) {
         match numbers.below(5) {
-            0 => program.raw(0xE92D_000F),                   // push {r0-r3}
-            1 => program.raw(0xE8BD_000F),                   // pop {r0-r3}
-            2 => program.raw(0xE24D_D000 | 4 * numbers.below(64)), // sub sp, sp, #
-            3 => program.raw(0xE28D_D000 | 4 * numbers.below(64)), // add sp, sp, #
+            0 => program.raw(0xE92D_000F), // push {r0-r3}
+            1 => program.raw(0xE8BD_000F), // pop {r0-r3}
+            2 => program.raw(0xE24D_D000 | (4 * numbers.below(64))), // sub sp, sp, #
+            3 => program.raw(0xE28D_D000 | (4 * numbers.below(64))), // add sp, sp, #
             _ => return access(program, numbers),
         };
     }

@@ -7,9 +7,9 @@ pub mod arm;
 pub mod cases;
 #[path = "../../../plant/tests/common/catalogue.rs"]
 pub mod catalogue;
+pub mod devices;
 #[path = "../../../image/tests/support/elf.rs"]
 pub mod elf;
-pub mod devices;
 pub mod random;
 pub mod requests;
 

@@ -4,11 +4,9 @@
 //! engines answer a request alike.
 
 use virtual_brick::{
-    Access, Configuration, CpuStep, Engine, ScalarKind, StepObserver,
-    Stop, StopReason, Timing, VirtualBrick,
+    Access, Configuration, CpuStep, Engine, FlowPoint, ScalarKind, StepObserver, Stop, StopReason,
+    Timing, VirtualBrick,
 };
-
-use image::FlowPoint;
 
 use super::random::{self, Kind, Numbers};
 use super::vehicle;
@@ -73,7 +71,11 @@ pub fn compare(seed: u64, kind: Kind, longest: u32) -> Result<StopReason, String
     for _ in 0..PIECES {
         let until = reference.cycles() + length(numbers, longest);
         let drawn = numbers.below(u32::MAX);
-        stop = piece(&mut reference, &mut Numbers::new(drawn.into()), (kind, until));
+        stop = piece(
+            &mut reference,
+            &mut Numbers::new(drawn.into()),
+            (kind, until),
+        );
         for (name, other) in &mut others {
             let theirs = piece(other, &mut Numbers::new(drawn.into()), (kind, until));
             let place = format!("{name}, seed {seed}, {kind:?}, to cycle {until}");
@@ -163,18 +165,21 @@ fn difference(one: &VirtualBrick, other: &VirtualBrick) -> Option<String> {
     let differs = |what: &str, same: bool| (!same).then(|| what.to_owned());
     let memory = |brick: &VirtualBrick| brick.read_memory(0x0020_0000, 0x1_0000);
     let (cycles, expected) = (one.cycles(), other.cycles());
-    differs(&format!("{cycles} instead of {expected} cycles"), cycles == expected)
-        .or_else(|| differs("processor", one.processor() == other.processor()))
-        .or_else(|| differs("memory", memory(one) == memory(other)))
-        .or_else(|| differs("record", one.trace().digest() == other.trace().digest()))
-        .or_else(|| differs("threads", one.threads() == other.threads()))
-        .or_else(|| differs("calls", one.traced_calls() == other.traced_calls()))
-        .or_else(|| differs("flow", one.flow_counts() == other.flow_counts()))
-        .or_else(|| differs("profile", one.profiled() == other.profiled()))
-        .or_else(|| differs("picture", one.lcd() == other.lcd()))
-        .or_else(|| {
-            let (stacks, expected) = (one.stack_overflows(), other.stack_overflows());
-            let what = format!("{stacks:?} instead of {expected:?}");
-            differs(&what, stacks == expected)
-        })
+    differs(
+        &format!("{cycles} instead of {expected} cycles"),
+        cycles == expected,
+    )
+    .or_else(|| differs("processor", one.processor() == other.processor()))
+    .or_else(|| differs("memory", memory(one) == memory(other)))
+    .or_else(|| differs("record", one.trace().digest() == other.trace().digest()))
+    .or_else(|| differs("threads", one.threads() == other.threads()))
+    .or_else(|| differs("calls", one.traced_calls() == other.traced_calls()))
+    .or_else(|| differs("flow", one.flow_counts() == other.flow_counts()))
+    .or_else(|| differs("profile", one.profiled() == other.profiled()))
+    .or_else(|| differs("picture", one.lcd() == other.lcd()))
+    .or_else(|| {
+        let (stacks, expected) = (one.stack_overflows(), other.stack_overflows());
+        let what = format!("{stacks:?} instead of {expected:?}");
+        differs(&what, stacks == expected)
+    })
 }

@@ -24,7 +24,7 @@ registers! {
 }
 
 /// Bytes of a channel's registers, and the last one of all channels.
-const CHANNEL_BYTES: u32 = 0x40;
+pub(crate) const CHANNEL_BYTES: u32 = 0x40;
 const CHANNELS_LAST: u32 = 3 * CHANNEL_BYTES - 1;
 const NAMES: [&str; 3] = ["TC0", "TC1", "TC2"];
 
