@@ -16,6 +16,7 @@ const NAME: u32 = 0x0020_A000;
 const LAYOUT: u32 = 0x0020_A100;
 const STACK: u32 = 0x0020_8800;
 const PIT_MR: u32 = 0xFFFF_FD30;
+const MC_RCR: u32 = 0xFFFF_FF00;
 const OFFSETS: [u32; 9] = [0, 4, 8, 12, 16, 20, 24, 32, 36];
 const PRIORITY: u32 = BLOCK + 12;
 const STATE: u32 = BLOCK + 20;
@@ -30,7 +31,11 @@ fn named_brick(version: u32, name_length: u32) -> VirtualBrick {
 }
 
 fn elf(version: u32, name_length: u32) -> ElfBuilder {
-    let mut program = Program::new();
+    elf_after(Program::new(), version, name_length)
+}
+
+/// The program behind another one.
+fn elf_after(mut program: Program, version: u32, name_length: u32) -> ElfBuilder {
     program.poke(PIT_MR, 0x010F_FFFF);
     for (address, value) in [
         (BLOCK + 4, NAME),
@@ -151,10 +156,13 @@ fn a_thread_without_a_name_has_that_of_the_object_that_holds_it() {
 
 /// Runs with guarded threads, the program being a function of this name.
 fn guarded_stop(function: &str) -> (StopReason, String) {
+    guarded_stop_of(elf(1, 7).symbol(function, RAM, 0x400, true, true))
+}
+
+fn guarded_stop_of(elf: ElfBuilder) -> (StopReason, String) {
     let fields = VEHICLE.replacen('{', r#"{"guards_threads": true, "#, 1);
     let configuration = Configuration::from_json(&fields).unwrap();
-    let elf = elf(1, 7).symbol(function, RAM, 0x400, true, true).build();
-    let mut brick = VirtualBrick::new(&configuration, &elf).unwrap();
+    let mut brick = VirtualBrick::new(&configuration, &elf.build()).unwrap();
     let stop = brick.run_until(2_000);
     (stop.reason, stop.message)
 }
@@ -171,4 +179,30 @@ fn only_the_run_time_may_write_guarded_words_of_threads() {
         "{message}"
     );
     assert!(message.contains("(start + 0x"), "{message}");
+}
+
+/// The image has the copied vectors and behind them a function of the run-time elsewhere; the program
+/// remaps the RAM and goes on at address 0.
+#[test]
+fn a_program_that_runs_where_the_ram_appears_again_is_not_taken_for_the_run_time() {
+    const VECTORS: u32 = 0x0020_6000;
+    let again = || {
+        let mut program = Program::new();
+        program.poke(MC_RCR, 1);
+        let behind = RAM - 0x0020_0000 + 4 * (program.here() as u32 + 2);
+        program.load(0, behind).raw(0xE12F_FF10); // bx r0
+        elf_after(program, 1, 7)
+            .symbol("ravenbrick_vectors", VECTORS, 0x20, true, true)
+            .symbol("ravenbrick_vectors_end", VECTORS + 0x20, 0, false, true)
+            .symbol("ravenbrick_behind", VECTORS + 0x20, 0x1000, true, true)
+    };
+    let run_time = again().symbol("ravenbrick_switch", RAM, 0x400, true, true);
+    assert_eq!(guarded_stop_of(run_time).0, StopReason::Reached);
+    let own = again().symbol("tasks__control_taskTKB", RAM, 0x400, true, true);
+    let (reason, message) = guarded_stop_of(own);
+    assert_eq!(reason, StopReason::Fault);
+    assert!(
+        message.contains("writes what only the run-time writes"),
+        "{message}"
+    );
 }

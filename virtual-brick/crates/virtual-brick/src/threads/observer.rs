@@ -17,8 +17,9 @@ use super::Memory;
 /// A list longer than this is taken for a loop.
 const THREADS_MAX: usize = 256;
 
-const VECTORS: &str = "ravenbrick_vectors";
+const VECTORS: [&str; 2] = ["ravenbrick_vectors", "ravenbrick_vectors_end"];
 const FLASH: u32 = 0x0010_0000;
+const RAM: u32 = 0x0020_0000;
 
 /// How names of functions of the run-time and of Ada's library begin.
 const RUN_TIME: [&str; 4] = ["ravenbrick_", "system__", "ada__", "interfaces__"];
@@ -165,14 +166,26 @@ impl ThreadObserver {
         let Some(image) = &self.names.image else {
             return false;
         };
-        // The run-time copies its vectors and its handler of interrupts to address 0.
-        let copied = image.symbols().get(VECTORS).filter(|_| instruction < FLASH);
-        let linked = copied.map_or(instruction, |vectors| vectors.address + instruction);
+        let linked = Self::linked_address(image, instruction);
         let function = image.symbols().function_at(linked);
         let names = function.map_or(&[][..], |(_, function)| &function.names);
         let by_run_time = |name: &String| RUN_TIME.iter().any(|part| name.starts_with(part));
         let watched = !self.threads.is_empty() && !self.bottoms.contains(&address);
         watched && !names.iter().any(by_run_time)
+    }
+
+    /// Where the instruction lies in the image: at address 0 the RAM appears a second time, and there
+    /// the run-time has a copy of its vectors and of its handler of interrupts.
+    fn linked_address(image: &Image, instruction: u32) -> u32 {
+        if instruction >= FLASH {
+            return instruction;
+        }
+        match VECTORS.map(|name| image.symbols().get(name)) {
+            [Some(begin), Some(end)] if instruction < end.address.saturating_sub(begin.address) => {
+                begin.address + instruction
+            }
+            _ => RAM + instruction,
+        }
     }
 
     /// The instruction's place, for people.
