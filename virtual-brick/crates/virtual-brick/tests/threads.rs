@@ -181,8 +181,8 @@ fn only_the_run_time_may_write_guarded_words_of_threads() {
     assert!(message.contains("(start + 0x"), "{message}");
 }
 
-/// The image has the copied vectors and behind them a function of the run-time elsewhere; the program
-/// remaps the RAM and goes on at address 0.
+/// The image has the copied vectors and behind them a function of the run-time elsewhere; the
+/// program remaps the RAM and goes on at address 0.
 #[test]
 fn a_program_that_runs_where_the_ram_appears_again_is_not_taken_for_the_run_time() {
     const VECTORS: u32 = 0x0020_6000;

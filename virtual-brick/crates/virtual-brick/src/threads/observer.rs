@@ -174,8 +174,8 @@ impl ThreadObserver {
         watched && !names.iter().any(by_run_time)
     }
 
-    /// Where the instruction lies in the image: at address 0 the RAM appears a second time, and there
-    /// the run-time has a copy of its vectors and of its handler of interrupts.
+    /// Where the instruction lies in the image: at address 0 the RAM appears a second time, and
+    /// there the run-time has a copy of its vectors and of its handler of interrupts.
     fn linked_address(image: &Image, instruction: u32) -> u32 {
         if instruction >= FLASH {
             return instruction;
