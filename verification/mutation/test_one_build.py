@@ -87,7 +87,7 @@ class Crate:
     """In place of a scratch copy: the compiler refuses `<<`, a test notices what `-` changes."""
 
     def __init__(self, tree: Path) -> None:
-        self.tree, self.log, self.builds = tree, tree / "log", 0
+        self.tree, self.folder, self.log, self.builds = tree, tree, tree / "log", 0
 
     def said(self) -> str:
         """Of the last run."""
@@ -107,6 +107,7 @@ class Crate:
         if command == "build":
             self.builds += 1
             return not bad, 1.0
+        self.log.write_text("1 passed\n")
         chosen = command.partition("=")[2].partition(";")[0]
         text = "\n".join(lines)
         body = text.partition(f"chosen_mutant({chosen})")[2] or text.rpartition(" else ")[2]
