@@ -97,7 +97,7 @@ def test_a_task_above_a_ceiling_is_named_with_the_object(changed: Change) -> Non
 
 
 def test_a_deadline_that_can_be_missed_is_told_with_what_to_change(changed: Change) -> None:
-    project = changed("control_task", "deadline_us = 4_000", "deadline_us = 700")
+    project = changed("control_task", "deadline_us = 4_000", "deadline_us = 600")
     profile = ["--timing-profile", "pessimistic"]
     done = CliRunner().invoke(app, ["analyse", str(project), *profile, "--json"])
     assert done.exit_code == ExitCode.DEADLINE_CAN_BE_MISSED, done.output
@@ -105,7 +105,7 @@ def test_a_deadline_that_can_be_missed_is_told_with_what_to_change(changed: Chan
     assert not answer["ok"] and answer["error"].startswith("NOT schedulable: control_task can miss")
     assert not answer["schedulable"] and answer["timing"] == "pessimistic"
     assert [miss["name"] for miss in answer["misses"]] == ["control_task"]
-    assert "control_task can miss its deadline of 700 us" in answer["advice"][0]
+    assert "control_task can miss its deadline of 600 us" in answer["advice"][0]
     own, limit = (
         answer["tasks"][1][key] for key in ("execution_bound_cycles", "execution_max_cycles")
     )

@@ -243,7 +243,8 @@ def test_a_job_takes_no_longer_than_its_longest_kind_unless_it_waits_inside(wait
     )
     ((_, longest),) = found.kinds
     assert longest < before.cycles
-    assert job.cycles == (before.cycles if waits else longest)
+    # The longest path of all is of none of the vehicle's own kinds either.
+    assert job.cycles > before.cycles if waits else job.cycles == longest
     assert job.path is not None and job.path["cycles"] == job.cycles
 
 
