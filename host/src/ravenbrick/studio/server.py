@@ -12,6 +12,7 @@ from http.server import ThreadingHTTPServer
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+from ravenbrick.json_values import json_values
 from ravenbrick.local_server import PAGE_POLICY, PageHandler, listen
 from ravenbrick.studio.project_files import LARGEST_BYTES, FileError
 from ravenbrick.studio.studio import Studio
@@ -81,8 +82,8 @@ class _Handler(PageHandler):
         if length is None or length > LARGEST_REQUEST:
             raise FileError(413, f"expected a request of at most {LARGEST_REQUEST} bytes")
         try:
-            body = json.loads(self.rfile.read(length))
-        except (ValueError, RecursionError):
+            body = json_values(self.rfile.read(length))
+        except ValueError:
             body = None
         if not isinstance(body, dict):
             raise FileError(400, "expected a JSON object")

@@ -161,7 +161,8 @@ fn piece(brick: &mut VirtualBrick, numbers: &mut Numbers, (kind, until): (Kind, 
     brick.run_until(until)
 }
 
-fn difference(one: &VirtualBrick, other: &VirtualBrick) -> Option<String> {
+/// In what two bricks differ, the first thing found.
+pub fn difference(one: &VirtualBrick, other: &VirtualBrick) -> Option<String> {
     let differs = |what: &str, same: bool| (!same).then(|| what.to_owned());
     let memory = |brick: &VirtualBrick| brick.read_memory(0x0020_0000, 0x1_0000);
     let (cycles, expected) = (one.cycles(), other.cycles());
