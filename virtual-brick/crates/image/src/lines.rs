@@ -85,7 +85,7 @@ impl Lines {
             if row.end_sequence() {
                 sequence.remove(&address);
                 if !sequence.is_empty() {
-                    self.rows.append(&mut sequence);
+                    self.rows.extend(std::mem::take(&mut sequence));
                     self.rows.entry(address).or_insert(entry);
                 }
                 continue;
