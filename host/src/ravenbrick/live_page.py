@@ -7,6 +7,7 @@ The page is matplotlib's own WebAgg server, which needs no toolkit; it listens o
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from typing import Any
 
@@ -38,7 +39,8 @@ def serve_figure(
     step: Callable[[], None] = lambda: None,
     period_ms: int = 200,
 ) -> None:
-    """Serve a `page_figure` and call `step` until `should_stop`, or until interrupted."""
+    """Serve a `page_figure` and call `step` until `should_stop`; raises `KeyboardInterrupt` when
+    interrupted. Call it from the main thread."""
     import matplotlib.pyplot as plt
     from matplotlib import rcParams
     from matplotlib.backends.backend_webagg import WebAggApplication
@@ -52,6 +54,12 @@ def serve_figure(
             IOLoop.current().stop()
 
     timer = figure.canvas.new_timer(interval=period_ms, callbacks=[(tick, (), {})])
+    loop = IOLoop.current()
+    interrupts: list[bool] = []
+
+    def interrupt() -> None:
+        interrupts.append(True)
+        loop.stop()
 
     def complain(loop: Any, context: dict[str, Any]) -> None:
         """A browser that was closed in the middle of a picture is not a defect."""
@@ -71,11 +79,15 @@ def serve_figure(
     token = access_token()
     LocalApplication.initialize(f"/{token}", address=LOOPBACK)  # type: ignore[no-untyped-call]
     page_port = LocalApplication.port  # type: ignore[attr-defined]
+    # Python loses an exception that it raises in a callback of the garbage collection.
+    loop.asyncio_loop.add_signal_handler(signal.SIGINT, interrupt)  # type: ignore[attr-defined]
     tell(f"the page is http://{LOOPBACK}:{page_port}/{token}/; Ctrl-C ends")
-    loop = IOLoop.current()
     loop.asyncio_loop.set_exception_handler(complain)  # type: ignore[attr-defined]
     try:
         loop.start()
     finally:
+        loop.asyncio_loop.remove_signal_handler(signal.SIGINT)  # type: ignore[attr-defined]
         timer.stop()
         plt.close(figure)
+    if interrupts:
+        raise KeyboardInterrupt

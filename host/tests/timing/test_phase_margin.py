@@ -77,6 +77,6 @@ def test_a_design_without_a_loop_has_none_and_a_broken_one_is_named(tmp_path: Pa
     assert read_loop(file) is None
     file.write_text(json.dumps({"figures": {}}))
     assert read_loop(file) is None
-    file.write_text(json.dumps({"figures": {}, "loop": {"open_loop": {"a": 3}}}))
+    file.write_text(json.dumps({"figures": {}, "loop": {"open_loop": {}}}))
     with pytest.raises(DesignError, match=r"design\.json: not a design .*run 'ravenbrick design'"):
         read_loop(file)

@@ -161,10 +161,13 @@ class _Sampled:
         return float(optimize.brentq(lambda w: abs(self(w)) - 1, left, right))
 
 
-def crossovers(open_loop: control.lti.LTI) -> tuple[tuple[float, float], ...]:
+def crossovers(open_loop: control.lti.LTI | LinearSystem) -> list[tuple[float, float]]:
     """All gain crossovers of a discrete loop: rad/s, and the phase above -180 degrees there, from 0
-    to 360, which is what more delay may take away before the loop gets unstable."""
-    found = []
+    to 360, which is what more delay may take away before the loop gets unstable. None of one in
+    continuous time."""
+    found: list[tuple[float, float]] = []
+    if not open_loop.isdtime(strict=True):
+        return found
     response = _Sampled(open_loop)
     for (left, right), (first, last) in zip(
         pairwise(response.grid), pairwise(response.values), strict=True
@@ -172,7 +175,7 @@ def crossovers(open_loop: control.lti.LTI) -> tuple[tuple[float, float], ...]:
         if (abs(first) > 1) != (abs(last) > 1):
             root = response.crossover(left, right)
             found.append((root, math.degrees(cmath.phase(-response(root))) % 360))
-    return tuple(found)
+    return found
 
 
 def _discrete_margins(open_loop: control.lti.LTI | LinearSystem) -> Margins:

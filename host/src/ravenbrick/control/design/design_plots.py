@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ravenbrick.control.analysis import frequency_plots, robustness
+from ravenbrick.control.analysis.metrics import crossovers
 from ravenbrick.control.analysis.sampled import SampledLoop
 from ravenbrick.control.design.family import FamilyMember, gain_family
 from ravenbrick.control.estimation.estimator import LoopSpecification
@@ -93,7 +94,7 @@ class DesignedLoop:
             "specification": vars(self.specification),
             "continuous_gains": vars(self.continuous),
             "controller": written_system(LinearSystem.of(self.controller)),
-            "open_loop": written_system(self.sampled().open_loop_system()),
+            "crossovers": crossovers(self.sampled().open_loop_system()),
         }
 
     @classmethod

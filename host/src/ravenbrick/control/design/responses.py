@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ravenbrick.atomic_write import atomic_write
+from ravenbrick.control.analysis.metrics import crossovers
 from ravenbrick.control.design.design_plots import written_system
 from ravenbrick.model import Diagram, diagram_svg, fidelity
 from ravenbrick.model.lazy import control
@@ -57,7 +58,8 @@ def write_loop_results(
         "sampled": sampled,
     }
     if open_loop is not None:
-        results["loop"] = {"open_loop": written_system(control.ss(open_loop))}
+        system = control.ss(open_loop)
+        results["loop"] = {"open_loop": written_system(system), "crossovers": crossovers(system)}
     if controller is not None:
         results |= _compared(controller)
     atomic_write(path, json.dumps(results, indent=1) + "\n")

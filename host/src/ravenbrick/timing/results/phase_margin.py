@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What a delay costs a loop: its phase margin, from the open loop that design.py left behind."""
+"""What a delay costs a loop: its phase margin, from the open loop of design.py."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Loop:
 
 
 def read_loop(design_file: Path) -> Loop | None:
-    """The loop of a design; None when there is no design, or one without an open loop.
+    """The loop of a design; None when there is no design, or one without a sampled open loop.
 
     Raises `DesignError` for a file that is no design.
     """
@@ -37,13 +37,8 @@ def read_loop(design_file: Path) -> Loop | None:
         return None
     try:
         content = json_values(design_file.read_text("utf-8"))
-        if "open_loop" not in content.get("loop", {}):
-            return None
-        from ravenbrick.control.analysis.metrics import crossovers
-        from ravenbrick.control.design.design_plots import read_system
-
-        system = read_system(content["loop"]["open_loop"])
-        found = crossovers(system) if system.isdtime(strict=True) else ()
+        pairs = content["loop"]["crossovers"] if "loop" in content else ()
+        found = tuple((float(frequency), float(phase)) for frequency, phase in pairs)
         delay = float(content["figures"].get("actuator_delay", 0.0))
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise DesignError(
