@@ -196,7 +196,8 @@ to each target: first the target's corpus of valid input unchanged, then input m
 *finding* is a panic, an exception without a message, a peer that is no longer served, a record that
 cannot be replayed, more than 10 s for a file, or memory beyond its bound (512 MB of growth for each
 target, 1 GB in the Rust targets). The peers communicate with a brick that runs LEGO's firmware;
-after each hostile session a regular host must be served.
+after each hostile session a regular host must be served. Times and cases are those of all campaigns
+since the last finding.
 """
 FUZZ_TAIL = """An input with a finding is kept in `build/fuzz/findings`, and
 `python -m verification.fuzz.campaign --repeat FILE` repeats it; a Rust target prints its seed, and

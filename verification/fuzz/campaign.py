@@ -3,12 +3,14 @@
 """The fuzzing campaign: every target for the same time, first its corpus, then mutated content.
 
 `python -m verification.fuzz.campaign [SECONDS [SEED]]` runs each target for so many seconds and
-writes `verification/fuzz/results.json` and from it docs/reference/fuzzing.md. Inputs with a finding
-are kept in build/fuzz/findings; `--repeat FILE` runs such a file again.
+adds cases and times to `verification/fuzz/results.json`, of which docs/reference/fuzzing.md is
+made; after a finding they are counted anew. Inputs with a finding are kept in build/fuzz/findings;
+`--repeat FILE` runs such a file again.
 """
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import json
 import os
@@ -19,6 +21,8 @@ import subprocess
 import sys
 import time
 import traceback
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +34,7 @@ from verification.support.paths import ROOT
 RESULTS = ROOT / "verification" / "fuzz" / "results.json"
 CORPUS = Path(__file__).resolve().parent / "corpus"
 BUILD = ROOT / "build" / "fuzz"
+PROGRAM = BUILD / "corpus" / "image" / "program.elf"
 TARGET_SECONDS = 20
 RUST_TARGETS = 5
 GROWTH_MAX_KB = 512 * 1024
@@ -42,17 +47,15 @@ INPUTS = {
 }
 
 
-def build_image() -> Path:
+def build_image() -> None:
     """The image with debug information; built in the folder with the corpus of the Rust targets."""
-    folder = BUILD / "corpus"
+    folder = PROGRAM.parents[1]
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(CORPUS / "configuration", folder / "configuration")
-    (folder / "image").mkdir()
-    elf = folder / "image" / "program.elf"
+    PROGRAM.parent.mkdir()
     options = ["-g", "-Og", "-mcpu=arm7tdmi", "-nostdlib", "-Wl,-Ttext=0x202000"]
     source = str(Path(__file__).resolve().parent / "program.c")
-    subprocess.run(["arm-none-eabi-gcc", *options, "-o", str(elf), source], check=True)
-    return elf
+    subprocess.run(["arm-none-eabi-gcc", *options, "-o", str(PROGRAM), source], check=True)
 
 
 def run_rust_targets(seconds: int, seed: int) -> list[dict[str, Any]]:
@@ -124,17 +127,44 @@ def fuzz_target(target: Target, seconds: float, seed: int) -> dict[str, Any]:
     }
 
 
-def campaign(seconds: int = TARGET_SECONDS, seed: int = 1) -> list[dict[str, Any]]:
-    """Every target; the rows, which are also written."""
-    program = build_image()
-    rows = run_rust_targets(seconds, seed)
-    for make in targets(program):
-        target = make()
-        try:
-            rows.append(fuzz_target(target, seconds, seed))
-        finally:
-            target.close()
-    tables.write_rows(RESULTS, rows)
+def _run(index: int | None, seconds: int, seed: int) -> list[dict[str, Any]]:
+    """Rows of one of the Python targets, or of all Rust targets."""
+    if index is None:
+        return run_rust_targets(seconds, seed)
+    target = targets(PROGRAM)[index]()
+    try:
+        return [fuzz_target(target, seconds, seed)]
+    finally:
+        target.close()
+
+
+def added(rows: list[dict[str, Any]], held: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of a campaign together with those held, unless something was found before."""
+    before = {row["target"]: row for row in held}
+    if any(row["findings"] for row in held):
+        before = {}
+    counted = ("seconds", "case_count", "findings")
+    return [
+        row | {name: row[name] + before.get(row["target"], {}).get(name, 0) for name in counted}
+        for row in rows
+    ]
+
+
+def campaign(
+    seconds: int = TARGET_SECONDS, seed: int = 1, processors: int = 1
+) -> list[dict[str, Any]]:
+    """Every target; the rows, which are also written, added to those held."""
+    build_image()
+    groups = [None, *range(len(targets(PROGRAM)))]
+    # A process for each group: what one leaves in memory is not another's.
+    with ProcessPoolExecutor(processors, get_context("spawn"), max_tasks_per_child=1) as pool:
+        found = [pool.submit(_run, group, seconds, seed) for group in groups]
+        rows = []
+        for each in found:
+            for row in each.result():
+                print(f"{row['target']}: {row['case_count']} cases, {row['findings']} findings")
+                rows.append(row)
+    tables.write_rows(RESULTS, added(rows, json.loads(RESULTS.read_bytes())))
     return rows
 
 
@@ -144,7 +174,8 @@ def suite() -> Counts:
     RAVENBRICK_FUZZ_HOURS: for so long in all, divided among the targets.
     """
     hours = float(os.environ.get("RAVENBRICK_FUZZ_HOURS", 0))
-    groups = RUST_TARGETS + len(targets(build_image()))
+    build_image()
+    groups = RUST_TARGETS + len(targets(PROGRAM))
     rows = campaign(round(3_600 * hours / groups) or TARGET_SECONDS)
     count = sum(row["case_count"] for row in rows)
     return Counts(count, count - sum(row["findings"] for row in rows))
@@ -152,7 +183,8 @@ def suite() -> Counts:
 
 def repeat_finding(file: Path) -> int:
     """Run a kept input again with the target in its name; raises as the target does."""
-    for make in targets(build_image()):
+    build_image()
+    for make in targets(PROGRAM):
         target = make()
         if file.name.startswith(target.name.replace(", ", "-").replace(" ", "-")):
             target.case(file.read_bytes())
@@ -161,16 +193,20 @@ def repeat_finding(file: Path) -> int:
     raise SystemExit(f"{file}: no target in its name")
 
 
-def main(arguments: list[str]) -> int:
+def main() -> int:
     """The campaign, its page; 1 when something was found."""
-    if arguments[:1] == ["--repeat"]:
-        return repeat_finding(Path(arguments[1]))
-    rows = campaign(*(int(text) for text in arguments[:2]))
-    for row in rows:
-        print(f"{row['target']}: {row['case_count']} cases, {row['findings']} findings")
+    parser = argparse.ArgumentParser(description="Give invalid input to every reader and peer.")
+    parser.add_argument("seconds", nargs="?", type=int, default=TARGET_SECONDS, help="each target")
+    parser.add_argument("seed", nargs="?", type=int, default=1)
+    parser.add_argument("--processors", type=int, default=1)
+    parser.add_argument("--repeat", type=Path, metavar="FILE", help="run a kept input again")
+    chosen = parser.parse_args()
+    if chosen.repeat:
+        return repeat_finding(chosen.repeat)
+    rows = campaign(chosen.seconds, chosen.seed, chosen.processors)
     tables.main([])
     return 1 if any(row["findings"] for row in rows) else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())
