@@ -5,8 +5,8 @@
 In a sheet, a fence `console` holds commands, one a line, which are run in a folder of the sheet's
 own; `console exit=8` expects the last one to end with 8. `LANGUAGE file=PATH` writes its content to
 the file; `edit file=PATH` replaces lines of it, written as in a diff. `text seen` after commands
-quotes lines that their output must contain, blanks apart. Afterwards the part "Solution" of the
-lecturer's page of the same name is executed in the same folder.
+quotes lines that their output must contain, blanks apart. Afterwards the lecturer's page of the
+same name is executed in the same folder.
 """
 
 from __future__ import annotations
@@ -159,6 +159,12 @@ def run_solution(sheet: Path, folder: Path) -> str:
     return run_text(solution_of(sheet), f"teaching/{sheet.name}", folder)
 
 
+def run_teaching_page(sheet: Path, folder: Path) -> str:
+    """Execute the solution and the rest of the lecturer's page likewise. Raises `SheetError`."""
+    text = teaching_page(sheet).read_text("utf-8")
+    return run_text(text, f"teaching/{sheet.name}", folder)
+
+
 def run_text(text: str, name: str, folder: Path) -> str:
     """Execute the steps of a text."""
     output, transcript = "", ""
@@ -202,7 +208,7 @@ def main() -> int:
         with tempfile.TemporaryDirectory() as folder:
             try:
                 transcript = run_sheet(sheet, Path(folder))
-                transcript += run_solution(sheet, Path(folder))
+                transcript += run_teaching_page(sheet, Path(folder))
             except SheetError as error:
                 failed += 1
                 print(f"FAILED {error}", flush=True)

@@ -22,7 +22,7 @@ from tools.docs.lessons import (
     part,
     rubrics_of,
     run_sheet,
-    run_solution,
+    run_teaching_page,
     solution_of,
     steps,
     teaching_page,
@@ -117,10 +117,10 @@ def test_there_are_ten_and_more_in_order() -> None:
     ids=lambda sheet: sheet.stem,
 )
 def test_the_commands_of_a_sheet_do_what_it_says(sheet: Path, tmp_path: Path) -> None:
-    """Every command, in order, in an empty folder; quoted output must appear. Then the solution,
-    which the rubric gives all points."""
+    """Every command, in order, in an empty folder; quoted output must appear. Then the lecturer's
+    page: the rubric gives the solution all points, results and mistakes look as it says."""
     run_sheet(sheet, tmp_path)
-    run_solution(sheet, tmp_path)
+    run_teaching_page(sheet, tmp_path)
 
 
 @pytest.mark.parametrize("sheet", ALL, ids=lambda sheet: sheet.stem)

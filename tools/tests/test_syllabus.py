@@ -8,7 +8,7 @@ import re
 
 import pytest
 
-from tools.docs.lessons import TEACHING, part
+from tools.docs.lessons import TEACHING, find, part
 
 SYLLABUS = (TEACHING / "syllabus.md").read_text("utf-8")
 VARIANTS = ["Real-time systems", "Control", "Real-time control"]
@@ -30,6 +30,25 @@ def test_a_variant_has_fourteen_weeks_and_each_sheet_once(variant: str) -> None:
     for number, title, path in sheets:
         first = (TEACHING / path).read_text("utf-8").splitlines()[0]
         assert first == f"# {number}. {title}"
+
+
+def _needs(number: str) -> list[str]:
+    """Sheets in the first sentence of a sheet's prerequisites."""
+    (sheet,) = find([f"{int(number):02}"])
+    sentence = re.search(r"You need:(.*?)\.\s", sheet.read_text("utf-8"), re.DOTALL)
+    assert sentence is not None, sheet.name
+    named = re.findall(r"sheets? (\d+)(?:\]\(\S+\))?(?: and (\d+))?", sentence[1])
+    return [found for pair in named for found in pair if found]
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_what_a_sheet_needs_comes_before_it_or_is_named_as_left_out(variant: str) -> None:
+    """The table of prerequisites left out has these, and no others."""
+    order = re.findall(r"\[(\d+) [^]]+\]\(\S+\)", part(SYLLABUS, variant))
+    before = {sheet: order[:place] for place, sheet in enumerate(order)}
+    missing = [[one, need] for one in order for need in _needs(one) if need not in before[one]]
+    rows = _rows(part(SYLLABUS, "Prerequisites that a variant leaves out"))
+    assert [row[1:3] for row in rows if row[0] == variant] == missing
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
