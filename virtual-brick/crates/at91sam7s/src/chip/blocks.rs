@@ -10,6 +10,7 @@ use crate::chip::bus::PERIPHERALS;
 use crate::chip::Chip;
 use crate::memory::flash::FLASH_BYTES;
 use crate::memory::{is_flash, lane, misaligned, SRAM_WINDOW, WINDOW_BITS};
+use crate::peripherals::{decode, PIOA_BASE};
 
 const SRAM: u8 = 0;
 const FLASH: u8 = 1;
@@ -30,6 +31,11 @@ const QUIET_CYCLES_MAX: Cycles = 1 << 30;
 impl<B: Board> Chip<B> {
     fn flash_ready(&self) -> bool {
         self.memories.flash.ready_at() <= self.now
+    }
+
+    fn end_of_register_access(&self, after_cycles: u32) -> Cycles {
+        let cycles = Cycles::from(after_cycles) + self.memories.timing.apb_cycles;
+        self.now + cycles * self.ratio
     }
 
     #[inline(always)]
@@ -137,6 +143,7 @@ impl<B: Board> BlockBus for Chip<B> {
     fn access_cycles_max(&self) -> u32 {
         self.sram_cycles()
             .max(self.memories.flash.most_cycles() as u32)
+            .max(self.register_cycles())
     }
 
     fn ram_cycles(&self) -> u32 {
@@ -173,6 +180,27 @@ impl<B: Board> BlockBus for Chip<B> {
             value: lane(self.memories.flash.word(address), address, width),
             cycles: self.memories.flash.data_cycles() as u32,
         })
+    }
+
+    #[inline(always)]
+    fn register_cycles(&self) -> u32 {
+        self.memories.timing.apb_cycles as u32
+    }
+
+    #[inline(never)]
+    fn register_read(&self, address: u32, after_cycles: u32) -> Option<(u32, bool)> {
+        let (peripheral, offset) = decode(address).ok()?;
+        self.polled(
+            peripheral,
+            offset,
+            self.end_of_register_access(after_cycles),
+        )
+    }
+
+    #[inline(never)]
+    fn register_write(&mut self, address: u32, value: u32, after_cycles: u32) -> bool {
+        let at = self.end_of_register_access(after_cycles);
+        self.write_unfollowed(address.wrapping_sub(PIOA_BASE), value, at)
     }
 
     #[inline]

@@ -63,7 +63,7 @@ impl<B: BlockBus> Run<'_, B> {
     /// reference engine must make it, and the block has ended before it.
     #[inline(always)]
     fn begin_access(&mut self, op: &Op<B>, address: u32, width: Width, write: bool) -> bool {
-        let passed = self.state.cycles + u32::from(op.through) - self.told_cycles;
+        let passed = self.passed_at(op);
         let access = self.bus.access_between(address, width, write, passed);
         if access == BusAccess::Refused {
             self.exit_before(op);
@@ -76,7 +76,6 @@ impl<B: BlockBus> Run<'_, B> {
         }
         self.bus.continue_at(op.address.wrapping_add(3 * size));
         self.pass(passed);
-        self.state.cycles = 0;
         self.told_cycles = 0;
         self.end = End::Accessed;
         true
