@@ -289,6 +289,9 @@ fn run_otherwise<B: BlockBus>(
     }
     run.reads_steadily = true;
     block.execute(run);
-    let idle = block.is_idempotent && run.end == End::Reached && run.reads_steadily;
+    if !run.reads_steadily {
+        block.never_idles();
+    }
+    let idle = block.is_idempotent && run.end == End::Reached;
     (!idle || !run.skip_idle_iterations(block, start_cycles)).then_some(number)
 }

@@ -10,7 +10,8 @@ use crate::chip::bus::PERIPHERALS;
 use crate::chip::Chip;
 use crate::memory::flash::FLASH_BYTES;
 use crate::memory::{is_flash, lane, misaligned, SRAM_WINDOW, WINDOW_BITS};
-use crate::peripherals::{decode, PIOA_BASE};
+use crate::peripherals::{decode, AIC_BASE, AIC_BITS, PIOA_BASE};
+use crate::pins::pio::Pio;
 
 const SRAM: u8 = 0;
 const FLASH: u8 = 1;
@@ -33,6 +34,14 @@ impl<B: Board> Chip<B> {
         self.memories.flash.ready_at() <= self.now
     }
 
+    /// As [`Chip::polled`], by address.
+    #[inline(never)]
+    fn polled_at(&self, address: u32, at: Cycles) -> Option<(u32, bool)> {
+        let (peripheral, offset) = decode(address).ok()?;
+        self.polled(peripheral, offset, at)
+    }
+
+    #[inline(always)]
     fn end_of_register_access(&self, after_cycles: u32) -> Cycles {
         let cycles = Cycles::from(after_cycles) + self.memories.timing.apb_cycles;
         self.now + cycles * self.ratio
@@ -187,20 +196,19 @@ impl<B: Board> BlockBus for Chip<B> {
         self.memories.timing.apb_cycles as u32
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn register_read(&self, address: u32, after_cycles: u32) -> Option<(u32, bool)> {
-        let (peripheral, offset) = decode(address).ok()?;
-        self.polled(
-            peripheral,
-            offset,
-            self.end_of_register_access(after_cycles),
-        )
+        if address >> AIC_BITS == AIC_BASE >> AIC_BITS {
+            return None;
+        }
+        self.polled_at(address, self.end_of_register_access(after_cycles))
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn register_write(&mut self, address: u32, value: u32, after_cycles: u32) -> bool {
+        let offset = address.wrapping_sub(PIOA_BASE);
         let at = self.end_of_register_access(after_cycles);
-        self.write_unfollowed(address.wrapping_sub(PIOA_BASE), value, at)
+        Pio::sets_levels(offset) && self.write_unfollowed(offset, value, at)
     }
 
     #[inline]

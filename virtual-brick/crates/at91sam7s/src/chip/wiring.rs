@@ -7,7 +7,6 @@ use crate::chip::Chip;
 use crate::clock::NEVER;
 use crate::fault::TransferFault;
 use crate::peripherals::{Peripheral, SPI_BASE};
-use crate::pins::pio::Pio;
 use crate::pins::{EXTERNAL_INTERRUPTS, INTERRUPT_PINS, PIOA};
 use crate::schedule::EventKind;
 use crate::serial::pdc;
@@ -356,10 +355,8 @@ impl<B: Board> Chip<B> {
 
     /// Write levels of outputs at `at`, unless something besides the controller follows a pin that
     /// changes; true when written.
+    #[inline(never)]
     pub(super) fn write_unfollowed(&mut self, offset: u32, value: u32, at: Cycles) -> bool {
-        if !Pio::sets_levels(offset) {
-            return false;
-        }
         let pins = &mut self.pins;
         let mut pio = pins.pio.clone();
         pio.write_levels(offset, value);

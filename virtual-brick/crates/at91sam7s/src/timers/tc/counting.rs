@@ -46,6 +46,9 @@ impl Channel {
     /// When this channel wants to be served: at a trigger, or when something shows. What does not
     /// show in a whole period never will.
     pub(crate) fn next_event(&self) -> Cycles {
+        if !self.running() {
+            return self.next_step().0;
+        }
         let mut ahead = self.clone();
         for _ in 0..PERIOD_STEPS_MAX {
             let (at, steps) = ahead.next_step();
