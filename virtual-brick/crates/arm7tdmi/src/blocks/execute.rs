@@ -30,7 +30,7 @@ pub struct BlocksRun {
 impl Cpu {
     /// Runs blocks as long as the next certainly ends before `limit` and before anything can act on
     /// the processor. Runs none where no block can be entered, or for fewer than `min_cycles`. The
-    /// caller asks [`Blocks::leaves_to_reference`] before.
+    /// caller asks [`Blocks::steps_of_reference`] after it.
     pub fn run_blocks<B: BlockBus>(
         &mut self,
         bus: &mut B,

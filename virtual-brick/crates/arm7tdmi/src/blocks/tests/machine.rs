@@ -68,8 +68,13 @@ pub fn store(machine: &mut Machine, address: u32, value: u32) {
 /// Runs blocks, and single steps between them, up to an instant.
 pub fn run_until(cpu: &mut Cpu, machine: &mut Machine, blocks: &mut Blocks<Machine>, end: u64) {
     while machine.now < end {
-        if blocks.leaves_to_reference() || !cpu.run_blocks(machine, blocks, end, 1).ran {
+        if !cpu.run_blocks(machine, blocks, end, 1).ran {
             cpu.step(machine);
+        }
+        for _ in 0..blocks.steps_of_reference() {
+            if machine.now < end {
+                cpu.step(machine);
+            }
         }
     }
 }
