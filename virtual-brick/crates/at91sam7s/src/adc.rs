@@ -26,6 +26,8 @@ const LOWRES: u32 = 1 << 4;
 const SLEEP: u32 = 1 << 5;
 const DRDY: u32 = 1 << 16;
 const GOVRE: u32 = 1 << 17;
+/// GOVRE and the overrun bits of the channels.
+const READ_CLEARS: u32 = GOVRE | 0xFF00;
 /// ENDRX and RXBUFF: the data controller of the converter is idle.
 const IDLE_TRANSFER: u32 = 3 << 18;
 
@@ -138,6 +140,12 @@ impl Adc {
         (self.status | IDLE_TRANSFER) & self.mask != 0
     }
 
+    /// What a read gives that changes nothing; of the registers that programs poll.
+    pub(crate) fn polled(&self, offset: u32) -> Option<u32> {
+        let kept = offset == ADC_SR && self.status & READ_CLEARS == 0;
+        kept.then_some(self.status | IDLE_TRANSFER)
+    }
+
     pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
         Ok(match offset {
             ADC_CR | ADC_CHER | ADC_CHDR | ADC_IER | ADC_IDR => 0,
@@ -145,7 +153,7 @@ impl Adc {
             ADC_CHSR => self.channels,
             ADC_SR => {
                 let value = self.status | IDLE_TRANSFER;
-                self.status &= !(GOVRE | 0xFF00);
+                self.status &= !READ_CLEARS;
                 value
             }
             ADC_LCDR => {

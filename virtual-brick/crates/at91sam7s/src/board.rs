@@ -31,6 +31,14 @@ pub struct PinOutputs {
     pub pull_up: u32,
 }
 
+impl PinOutputs {
+    /// Pins of which something differs.
+    #[must_use]
+    pub const fn differences(self, other: Self) -> u32 {
+        self.driven ^ other.driven | self.level ^ other.level | self.pull_up ^ other.pull_up
+    }
+}
+
 /// Answer of the addressed two-wire slave to one byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TwiReply {
@@ -198,6 +206,10 @@ pub enum ChipEvent {
 pub trait Board {
     /// The chip's pin outputs changed.
     fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs);
+    /// Pins whose outputs can change something on the board, its pins and next event included.
+    fn followed_pins(&self) -> u32 {
+        u32::MAX
+    }
     /// Levels on the pins now; called after `advance` and after `outputs_changed`.
     fn pin_levels(&self) -> PinLevels;
     /// START (or repeated START) and address byte ended.

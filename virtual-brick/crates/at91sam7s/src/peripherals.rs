@@ -28,8 +28,10 @@ registers! { DBGU_CIDR = 0x40, DBGU_EXID = 0x44 }
 /// Address of the registers of the SPI.
 pub(crate) const SPI_BASE: u32 = 0xFFFE_0000;
 const TWI_BASE: u32 = 0xFFFB_8000;
-const AIC_BASE: u32 = 0xFFFF_F000;
-const PIOA_BASE: u32 = 0xFFFF_F400;
+pub(crate) const AIC_BASE: u32 = 0xFFFF_F000;
+/// Bits of an address within its registers.
+pub(crate) const AIC_BITS: u32 = 9;
+pub(crate) const PIOA_BASE: u32 = 0xFFFF_F400;
 
 /// A peripheral that answers at an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

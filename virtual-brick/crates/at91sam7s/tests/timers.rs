@@ -237,6 +237,65 @@ fn where_ra_and_rc_are_equal_the_effect_of_rc_counts() {
     assert_eq!(read(&mut chip, PIOA + 0x3C) & 1, 1);
 }
 
+/// Reads of its interrupt mask bring one of two equal channels up to date every few cycles.
+#[test]
+fn a_timer_that_is_left_alone_does_the_same_as_one_that_is_looked_at() {
+    let mut drawn = 1u32;
+    for case in 0..400 {
+        let mut draw = |bits: u32| {
+            drawn = drawn.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            drawn >> (32 - bits)
+        };
+        let stops = if case % 8 == 0 { draw(2) << 6 } else { 0 };
+        let capture = if case % 5 == 0 { WAVE } else { 0 };
+        let mode = (WAVE | stops | 1 << 10 | draw(2) << 13 | draw(16) << 16) ^ capture;
+        let bits = if case % 16 == 0 { 16 } else { 5 };
+        let values = [RA, RB, RC].map(|register| (register, draw(bits)));
+        let (mask, length) = (
+            draw(5),
+            300 + u64::from(draw(8)) * if bits == 16 { 2_000 } else { 10 },
+        );
+        let chips = [false, true].map(|is_watched| {
+            let mut chip = running_chip();
+            for (register, value) in [(CMR, mode), (IER, mask), (PIOA + 0x74, 3), (PIOA + 4, 3)] {
+                write(&mut chip, register, value);
+            }
+            write(&mut chip, 0xFFFF_F120, 1 << 12);
+            values
+                .iter()
+                .for_each(|&(register, value)| write(&mut chip, register, value));
+            let end = start(&mut chip, 2) + length;
+            while is_watched && chip.now() + 8 < end {
+                read(&mut chip, IER + 8);
+                chip.internal(3);
+            }
+            run_to(&mut chip, end);
+            let irq = chip.irq();
+            let shown = (read(&mut chip, SR), read(&mut chip, CV), irq);
+            (shown, chip.board().log.clone())
+        });
+        assert_eq!(chips[0], chips[1], "case {case}: {mode:#x}, {values:?}");
+    }
+}
+
+#[test]
+fn a_wave_of_which_nothing_shows_is_no_event() {
+    let mut chip = running_chip();
+    // RA sets, RC clears TIOA; the counter never steps onto RA.
+    write(&mut chip, CMR, WAVE | AUTOMATIC | 1 << 16 | 2 << 18);
+    write(&mut chip, RC, 3);
+    let zero = start(&mut chip, 2);
+    run_to(&mut chip, zero + 20);
+    let end = zero + 6_000_000_000 + 2;
+    chip.skip_to_next_event(end);
+    assert_eq!(chip.now(), end);
+    assert_eq!(value_at(&mut chip, end + 2), 2);
+    assert_eq!(read(&mut chip, SR) & CPCS, CPCS);
+    // The status that was read is set again.
+    chip.internal(6);
+    assert_eq!(read(&mut chip, SR) & CPCS, CPCS);
+}
+
 #[test]
 fn disabling_and_enabling_the_clock_keeps_the_value() {
     let mut chip = running_chip();

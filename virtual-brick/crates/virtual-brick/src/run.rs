@@ -119,6 +119,7 @@ impl VirtualBrick {
         let watched = profiled || self.call_trace.is_active() || self.flow_counts.is_active();
         let end = limit_cycles.min(due);
         let mut next = self.cpu.next_instruction_address();
+        let mut steps_of_reference = 0;
         while self.chip.now() < end {
             if self.chip.processor_stopped() {
                 self.chip.skip_to_next_event(end);
@@ -126,8 +127,11 @@ impl VirtualBrick {
                 next = self.cpu.next_instruction_address();
                 continue;
             }
-            if runs_blocks && !self.stacks.following() && !self.blocks.leaves_to_reference() {
+            if steps_of_reference != 0 {
+                steps_of_reference -= 1;
+            } else if runs_blocks && !self.stacks.following() {
                 let accessed = self.run_blocks(end);
+                steps_of_reference = self.blocks.steps_of_reference();
                 if let Some(instruction) = accessed {
                     self.after_step(instruction)?;
                 }

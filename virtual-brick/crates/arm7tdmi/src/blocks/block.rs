@@ -97,6 +97,12 @@ impl<B: BlockBus> Block<B> {
         self.set_code(false);
     }
 
+    /// Run again, it may find another state: it reads a register that changes by itself.
+    pub fn never_idles(&mut self) {
+        self.is_idempotent = false;
+        self.set_code(self.jit.has_code);
+    }
+
     /// Whether it has JIT code that is entered.
     pub fn set_code(&mut self, has_code: bool) {
         self.jit.has_code = has_code;

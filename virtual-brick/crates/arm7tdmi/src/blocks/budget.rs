@@ -1,22 +1,22 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! What decoding and compiling may cost: a twentieth of the time that passes without them, and what
+//! What decoding and compiling may cost: a fortieth of the time that passes without them, and what
 //! they have saved. A program that never earns the cost of its blocks runs about as fast as with
 //! single steps. A block may also be compiled when it has itself run for twice as long as that
 //! takes, and as the compilation of code took that was invalidated before it had saved as much.
 //!
-//! Amounts are host time in units of about half a nanosecond, for blocks, and a sixteenth of a
-//! nanosecond, for JIT code. They steer the speed only: a run is the same whatever is decoded or
+//! Amounts are host time in units of about a quarter of a nanosecond, for blocks, and a sixteenth of
+//! a nanosecond, for JIT code. They steer the speed only: a run is the same whatever is decoded or
 //! compiled.
 
-/// A twentieth of a step of the reference engine.
+/// A fortieth of a step of the reference engine.
 const STEP: i64 = 1;
 /// A quarter of what a cycle in blocks saves, compared with single steps.
-const BLOCK_CYCLE: i64 = 2;
+const BLOCK_CYCLE: i64 = 4;
 /// What entering and leaving the blocks costs.
-const BLOCKS_ENTRY: i64 = 30;
+const BLOCKS_ENTRY: i64 = 60;
 /// Decoding of one instruction, with the memory that it takes.
-const DECODED_INSTRUCTION: i64 = 400;
+const DECODED_INSTRUCTION: i64 = 800;
 /// Most that is kept, which is what a run begins with: programs execute thousands of instructions
 /// once before they settle, and single steps would cost more than these blocks.
 const DECODING_MAX: i64 = 10_000 * DECODED_INSTRUCTION;
@@ -58,15 +58,11 @@ impl Budget {
         }
     }
 
-    /// Called before each step or run of blocks. True if the reference engine shall step.
+    /// Called after a run of blocks. The steps that the reference engine shall make before the next.
     #[inline(always)]
-    pub fn leaves_to_reference(&mut self) -> bool {
-        let left = self.steps_without_blocks.checked_sub(1);
-        match left {
-            Some(left) => self.steps_without_blocks = left,
-            None => self.decoding += STEP,
-        }
-        left.is_some()
+    pub fn steps_of_reference(&mut self) -> u32 {
+        self.decoding += STEP;
+        std::mem::take(&mut self.steps_without_blocks)
     }
 
     /// Cycles that passed in blocks, once entered; and those of them that passed in JIT code,
@@ -125,11 +121,11 @@ mod tests {
     #[test]
     fn decoding_pauses_when_it_has_cost_what_it_may() {
         let mut budget = Budget::new(false);
-        assert!(!budget.leaves_to_reference() && budget.affords_decoding());
+        assert!(budget.steps_of_reference() == 0 && budget.affords_decoding());
         budget.pay_for_decoding(10_001);
         assert!(!budget.affords_decoding());
-        let steps = (0..1_000).take_while(|_| budget.leaves_to_reference());
-        assert_eq!(steps.count(), STEPS_WITHOUT_BLOCKS as usize);
+        assert_eq!(budget.steps_of_reference(), STEPS_WITHOUT_BLOCKS);
+        assert_eq!(budget.steps_of_reference(), 0);
         budget.earn(1_000, 0);
         assert!(budget.affords_decoding());
     }

@@ -97,7 +97,7 @@ pub trait BlockBus: Bus {
     /// Fetches were made without the bus; one at `address` would continue the last.
     fn continue_at(&mut self, address: u32);
 
-    /// No fetch and no plain access costs more.
+    /// No fetch, no plain access and no access to a register costs more.
     fn access_cycles_max(&self) -> u32;
     /// Cycles of an access to RAM.
     fn ram_cycles(&self) -> u32;
@@ -107,6 +107,14 @@ pub trait BlockBus: Bus {
     fn ram_write(&mut self, address: u32, width: Width, value: u32) -> bool;
     /// Read memory, if reading does nothing else and needs no waiting.
     fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead>;
+    /// Cycles of an access to a register.
+    fn register_cycles(&self) -> u32;
+    /// Read the register at a word's address after so many cycles, before which nothing is due, if
+    /// reading changes nothing; and whether it reads the same until something is due.
+    fn register_read(&self, address: u32, after_cycles: u32) -> Option<(u32, bool)>;
+    /// Write the register at a word's address after so many cycles, before which nothing is due, if
+    /// the same is due afterwards; true when written.
+    fn register_write(&mut self, address: u32, value: u32, after_cycles: u32) -> bool;
     /// Words of memory, if reading them does nothing else and needs no waiting.
     fn plain_words(&self, address: u32, count: u32) -> Option<PlainWords<&[u32]>>;
     /// Words of memory to write, if writing them does nothing else.

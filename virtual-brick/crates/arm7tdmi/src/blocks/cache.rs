@@ -109,11 +109,11 @@ impl<B: BlockBus> Blocks<B> {
             .map_or_else(Self::default, |jit| Self::with_jit(jit.new_like()))
     }
 
-    /// To be asked before each [`Cpu::run_blocks`](crate::Cpu::run_blocks), or step in its place:
-    /// true if the reference engine shall step, since decoding has cost what it may.
+    /// To be asked after each [`Cpu::run_blocks`](crate::Cpu::run_blocks): so many steps shall the
+    /// reference engine make before the next, since decoding has cost what it may.
     #[inline(always)]
-    pub fn leaves_to_reference(&mut self) -> bool {
-        self.budget.leaves_to_reference()
+    pub fn steps_of_reference(&mut self) -> u32 {
+        self.budget.steps_of_reference()
     }
 
     /// Bytes of JIT code compiled so far.

@@ -30,7 +30,7 @@ pub struct BlocksRun {
 impl Cpu {
     /// Runs blocks as long as the next certainly ends before `limit` and before anything can act on
     /// the processor. Runs none where no block can be entered, or for fewer than `min_cycles`. The
-    /// caller asks [`Blocks::leaves_to_reference`] before.
+    /// caller asks [`Blocks::steps_of_reference`] after it.
     pub fn run_blocks<B: BlockBus>(
         &mut self,
         bus: &mut B,
@@ -117,6 +117,8 @@ impl Cpu {
             budget,
             worst_cycles: ENDS_AT_ACCESS,
             told_cycles: 0,
+            outside_ram_at: 0,
+            reads_steadily: true,
             fetched: None,
             delayed: NO_MASKS,
             delays_masks: self.profile.mask_change_delayed,
@@ -206,10 +208,7 @@ impl<B: BlockBus> Run<'_, B> {
                     return false;
                 }
             }
-            End::Status => {
-                self.pass(self.state.cycles);
-                self.state.cycles = 0;
-            }
+            End::Status => self.pass(self.state.cycles),
             End::Aborted => {
                 self.delayed = NO_MASKS;
                 return false;
@@ -233,7 +232,8 @@ fn execute<B: BlockBus>(run: &mut Run<'_, B>, blocks: &mut Blocks<B>, first: u32
         let Some(mut block) = blocks.blocks.get_mut(number as usize) else {
             return;
         };
-        let counted = u16::from(run.state.cycles >= counted_after);
+        let since_outside = run.state.cycles.wrapping_sub(run.outside_ram_at);
+        let counted = u16::from(since_outside >= counted_after);
         block.jit.runs_left = block.jit.runs_left.wrapping_sub(counted);
         if block.jit.runs_left != 0 && run.state.cycles + block.simply_run_cycles <= run.budget {
             run.worst_cycles = block.worst_cycles;
@@ -287,7 +287,11 @@ fn run_otherwise<B: BlockBus>(
         blocks.poll_compiler(run.bus, number);
         block = blocks.blocks.get_mut(number as usize)?;
     }
+    run.reads_steadily = true;
     block.execute(run);
+    if !run.reads_steadily {
+        block.never_idles();
+    }
     let idle = block.is_idempotent && run.end == End::Reached;
     (!idle || !run.skip_idle_iterations(block, start_cycles)).then_some(number)
 }

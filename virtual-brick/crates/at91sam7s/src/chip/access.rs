@@ -48,7 +48,9 @@ impl<B: Board> Chip<B> {
     #[inline(never)]
     fn read_other_register(&mut self, peripheral: Peripheral, offset: u32) -> Access<u32> {
         let now = self.now;
-        let before = self.request_at(peripheral, offset);
+        if let Some((value, _)) = self.polled(peripheral, offset, now) {
+            return Ok(value);
+        }
         let value = match peripheral {
             Peripheral::Pioa => self.pins.pio.read(offset)?,
             Peripheral::Mc => self.memories.read_register(offset, now)?,
@@ -58,26 +60,28 @@ impl<B: Board> Chip<B> {
                     .read(peripheral, offset, now, configuration)?
             }
         };
-        if before.is_none() || self.request_at(peripheral, offset) != before {
-            self.refresh_after_access(peripheral, offset);
-        }
+        self.refresh_after_access(peripheral, offset);
         Ok(value)
     }
 
-    /// The interrupt request at a register of those that programs poll, where a read may end a
-    /// request and begins nothing; none of others.
-    #[inline]
-    fn request_at(&self, peripheral: Peripheral, offset: u32) -> Option<bool> {
-        match peripheral {
-            Peripheral::Pioa => Some(self.pins.pio.interrupt()),
-            Peripheral::Adc => Some(self.peripherals.adc.interrupt()),
-            Peripheral::Tc => {
-                let channels = &self.peripherals.tc.channels;
-                let of_channel = channels.get((offset / tc::CHANNEL_BYTES) as usize);
-                of_channel.map(tc::Channel::interrupt)
-            }
-            _ => None,
-        }
+    /// What a read at `at`, before which nothing is due, gives of a register that programs poll, if
+    /// it changes nothing; and whether a read gives the same until something is due.
+    #[inline(always)]
+    pub(super) fn polled(
+        &self,
+        peripheral: Peripheral,
+        offset: u32,
+        at: Cycles,
+    ) -> Option<(u32, bool)> {
+        let peripherals = &self.peripherals;
+        Some(match peripheral {
+            Peripheral::Pioa => (self.pins.pio.polled(offset)?, true),
+            Peripheral::Twi => (peripherals.twi.polled(offset)?, true),
+            Peripheral::Adc => (peripherals.adc.polled(offset)?, true),
+            Peripheral::Tc => peripherals.tc.polled(offset, at)?,
+            Peripheral::Pit => (peripherals.pit.polled(offset, at)?, false),
+            _ => return None,
+        })
     }
 
     /// Write the register at a word address; effects take place now.

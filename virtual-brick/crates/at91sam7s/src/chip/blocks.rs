@@ -10,6 +10,8 @@ use crate::chip::bus::PERIPHERALS;
 use crate::chip::Chip;
 use crate::memory::flash::FLASH_BYTES;
 use crate::memory::{is_flash, lane, misaligned, SRAM_WINDOW, WINDOW_BITS};
+use crate::peripherals::{decode, AIC_BASE, AIC_BITS, PIOA_BASE};
+use crate::pins::pio::Pio;
 
 const SRAM: u8 = 0;
 const FLASH: u8 = 1;
@@ -30,6 +32,19 @@ const QUIET_CYCLES_MAX: Cycles = 1 << 30;
 impl<B: Board> Chip<B> {
     fn flash_ready(&self) -> bool {
         self.memories.flash.ready_at() <= self.now
+    }
+
+    /// As [`Chip::polled`], by address.
+    #[inline(never)]
+    fn polled_at(&self, address: u32, at: Cycles) -> Option<(u32, bool)> {
+        let (peripheral, offset) = decode(address).ok()?;
+        self.polled(peripheral, offset, at)
+    }
+
+    #[inline(always)]
+    fn end_of_register_access(&self, after_cycles: u32) -> Cycles {
+        let cycles = Cycles::from(after_cycles) + self.memories.timing.apb_cycles;
+        self.now + cycles * self.ratio
     }
 
     #[inline(always)]
@@ -137,6 +152,7 @@ impl<B: Board> BlockBus for Chip<B> {
     fn access_cycles_max(&self) -> u32 {
         self.sram_cycles()
             .max(self.memories.flash.most_cycles() as u32)
+            .max(self.register_cycles())
     }
 
     fn ram_cycles(&self) -> u32 {
@@ -173,6 +189,26 @@ impl<B: Board> BlockBus for Chip<B> {
             value: lane(self.memories.flash.word(address), address, width),
             cycles: self.memories.flash.data_cycles() as u32,
         })
+    }
+
+    #[inline(always)]
+    fn register_cycles(&self) -> u32 {
+        self.memories.timing.apb_cycles as u32
+    }
+
+    #[inline(always)]
+    fn register_read(&self, address: u32, after_cycles: u32) -> Option<(u32, bool)> {
+        if address >> AIC_BITS == AIC_BASE >> AIC_BITS {
+            return None;
+        }
+        self.polled_at(address, self.end_of_register_access(after_cycles))
+    }
+
+    #[inline(always)]
+    fn register_write(&mut self, address: u32, value: u32, after_cycles: u32) -> bool {
+        let offset = address.wrapping_sub(PIOA_BASE);
+        let at = self.end_of_register_access(after_cycles);
+        Pio::sets_levels(offset) && self.write_unfollowed(offset, value, at)
     }
 
     #[inline]

@@ -7,7 +7,7 @@ use crate::chip::Chip;
 use crate::clock::NEVER;
 use crate::fault::TransferFault;
 use crate::peripherals::{Peripheral, SPI_BASE};
-use crate::pins::{INTERRUPT_PINS, PIOA};
+use crate::pins::{EXTERNAL_INTERRUPTS, INTERRUPT_PINS, PIOA};
 use crate::schedule::EventKind;
 use crate::serial::pdc;
 use crate::serial::ports::{SerialPorts, DEBUG_UNIT, IDENTIFIERS};
@@ -93,8 +93,8 @@ impl<B: Board> Chip<B> {
     }
 
     fn serve_timer(&mut self, number: usize, at: Cycles) {
-        let next = self.peripherals.tc.channels[number].advance(at);
-        self.refresh_timer_until(number, at, next);
+        self.peripherals.tc.channels[number].advance(at);
+        self.refresh_timer(number, at);
     }
 
     fn serve_twi(&mut self, at: Cycles) {
@@ -249,19 +249,15 @@ impl<B: Board> Chip<B> {
     }
 
     pub(super) fn refresh_timer(&mut self, number: usize, at: Cycles) {
-        let next = self.peripherals.tc.channels[number].next_event();
-        self.refresh_timer_until(number, at, next);
-    }
-
-    fn refresh_timer_until(&mut self, number: usize, at: Cycles, next: Cycles) {
-        self.refresh_timer_alone(number, at, next);
+        self.refresh_timer_alone(number, at);
         if self.peripherals.tc.lines() != self.pins.timer_lines {
             self.update_pins(at);
         }
     }
 
-    fn refresh_timer_alone(&mut self, number: usize, at: Cycles, next: Cycles) {
-        let level = self.peripherals.tc.channels[number].interrupt();
+    fn refresh_timer_alone(&mut self, number: usize, at: Cycles) {
+        let channel = &self.peripherals.tc.channels[number];
+        let (next, level) = (channel.next_event(), channel.interrupt());
         self.schedule.set(EventKind::TIMERS[number], next);
         self.set_line(tc::IDENTIFIERS[number], level, at, 0);
     }
@@ -331,6 +327,9 @@ impl<B: Board> Chip<B> {
     }
 }
 
+/// Pins that timers, serial ports or the interrupt controller follow.
+const FOLLOWED: u32 = tc::ALL_PINS | SerialPorts::modem_pins() | EXTERNAL_INTERRUPTS;
+
 /// Pins.
 impl<B: Board> Chip<B> {
     /// Look at the pins again if the board has changed them.
@@ -352,6 +351,27 @@ impl<B: Board> Chip<B> {
                 return;
             }
         }
+    }
+
+    /// Write levels of outputs at `at`, unless something besides the controller follows a pin that
+    /// changes; true when written.
+    #[inline(never)]
+    pub(super) fn write_unfollowed(&mut self, offset: u32, value: u32, at: Cycles) -> bool {
+        let pins = &mut self.pins;
+        let mut pio = pins.pio.clone();
+        pio.write_levels(offset, value);
+        let outputs = pio.outputs(pins.serial_lines, pins.timer_lines);
+        let clocked = self.peripherals.pmc.clocked(PIOA);
+        let (changed, seen) = pio.sample(outputs, self.board.pin_levels(), clocked);
+        let driven = outputs.differences(pins.outputs);
+        let followed = FOLLOWED | pio.mask() | pins.log.chosen() | self.board.followed_pins();
+        if (changed | seen | driven) & followed != 0 {
+            return false;
+        }
+        pins.pio = pio;
+        pins.outputs = outputs;
+        self.board.outputs_changed(at, outputs);
+        true
     }
 
     /// After a write to the PIO controller: the lines of timers and serial ports are known.
@@ -398,10 +418,8 @@ impl<B: Board> Chip<B> {
         self.pins.log.changed(changed, at, pins);
         for (number, (pin_a, pin_b)) in tc::PINS.into_iter().enumerate() {
             if changed & (1 << pin_a | 1 << pin_b) != 0 {
-                let channel = &mut self.peripherals.tc.channels[number];
-                channel.set_pins(pins, at);
-                let next = channel.next_event();
-                self.refresh_timer_alone(number, at, next);
+                self.peripherals.tc.channels[number].set_pins(pins, at);
+                self.refresh_timer_alone(number, at);
             }
         }
         if changed & SerialPorts::modem_pins() != 0 {

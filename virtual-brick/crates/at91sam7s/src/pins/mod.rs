@@ -16,6 +16,9 @@ pub(crate) const PIOA: u8 = 2;
 /// Pins of the external interrupts: (pin, source).
 pub(crate) const INTERRUPT_PINS: [(u32, u8); 3] = [(19, 0), (20, 30), (30, 31)];
 
+/// These pins, one bit each.
+pub(crate) const EXTERNAL_INTERRUPTS: u32 = 1 << 19 | 1 << 20 | 1 << 30;
+
 /// The port and what its pins were last seen to carry.
 #[derive(Clone, Debug)]
 pub(crate) struct Pins {

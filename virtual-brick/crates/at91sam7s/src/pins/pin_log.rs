@@ -32,6 +32,10 @@ impl PinLog {
         }
     }
 
+    pub(crate) fn chosen(&self) -> u32 {
+        self.chosen
+    }
+
     /// Log the pins whose bits are set, from these levels on.
     pub(crate) fn new(chosen: u32, now: LoggedPins) -> Self {
         Self {

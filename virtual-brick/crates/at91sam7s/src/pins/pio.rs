@@ -142,6 +142,16 @@ impl Pio {
         self.mask
     }
 
+    /// What a read gives that changes nothing; of the registers that programs poll.
+    pub(crate) fn polled(&self, offset: u32) -> Option<u32> {
+        match offset {
+            PIO_PDSR => Some(self.levels),
+            PIO_ODSR => Some(self.data),
+            PIO_ISR if self.changes == 0 => Some(0),
+            _ => None,
+        }
+    }
+
     pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
         Ok(match offset {
             PIO_PSR => self.pio_control,
@@ -162,17 +172,30 @@ impl Pio {
         })
     }
 
+    /// The register is written to change the levels of outputs.
+    pub(crate) const fn sets_levels(offset: u32) -> bool {
+        matches!(offset, PIO_SODR | PIO_CODR | PIO_ODSR)
+    }
+
+    /// Write such a register.
+    #[inline]
+    pub(crate) fn write_levels(&mut self, offset: u32, value: u32) {
+        self.data = match offset {
+            PIO_SODR => self.data | value,
+            PIO_CODR => self.data & !value,
+            _ => self.data & !self.write_enable | value & self.write_enable,
+        }
+    }
+
     pub(crate) fn write(&mut self, offset: u32, value: u32) -> Access {
         match offset {
+            PIO_SODR | PIO_CODR | PIO_ODSR => self.write_levels(offset, value),
             PIO_PER => self.pio_control |= value,
             PIO_PDR => self.pio_control &= !value,
             PIO_OER => self.output |= value,
             PIO_ODR => self.output &= !value,
             PIO_IFER => self.filter |= value,
             PIO_IFDR => self.filter &= !value,
-            PIO_SODR => self.data |= value,
-            PIO_CODR => self.data &= !value,
-            PIO_ODSR => self.data = (self.data & !self.write_enable) | (value & self.write_enable),
             PIO_IER => self.mask |= value,
             PIO_IDR => self.mask &= !value,
             PIO_MDER => self.multi_drive |= value,

@@ -64,9 +64,9 @@ impl SerialPorts {
     }
 
     /// Pins whose level a port looks at.
-    pub(crate) fn modem_pins() -> u32 {
-        let pins = MODEM_PINS.iter();
-        pins.fold(0, |pins, (_, pin, _)| pins | 1 << pin)
+    pub(crate) const fn modem_pins() -> u32 {
+        let [a, b, c, d, e] = MODEM_PINS;
+        1 << a.1 | 1 << b.1 | 1 << c.1 | 1 << d.1 | 1 << e.1
     }
 
     pub(crate) fn next_event(&self) -> Cycles {

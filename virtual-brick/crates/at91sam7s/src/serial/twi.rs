@@ -323,6 +323,17 @@ impl Twi {
         self.try_start(at);
     }
 
+    /// What a read gives that changes nothing; of the register that programs poll.
+    pub(crate) fn polled(&self, offset: u32) -> Option<u32> {
+        let same = self.flags & (OVRE | NACK) == 0 && self.nack_lost == self.loses_nack();
+        (offset == TWI_SR && same).then(|| self.status())
+    }
+
+    /// A read of the status now loses the refusal of the frame that ends.
+    fn loses_nack(&self) -> bool {
+        self.errata.twi_nack_lost && matches!(self.phase, Phase::Stop { .. })
+    }
+
     pub(crate) fn read(&mut self, offset: u32) -> Access<u32> {
         Ok(match offset {
             TWI_CR | TWI_IER | TWI_IDR | TWI_THR => 0,
@@ -332,8 +343,7 @@ impl Twi {
             TWI_SR => {
                 let value = self.status();
                 self.flags &= !(OVRE | NACK);
-                let ending = matches!(self.phase, Phase::Stop { .. });
-                self.nack_lost = ending && self.errata.twi_nack_lost;
+                self.nack_lost = self.loses_nack();
                 value
             }
             TWI_IMR => self.mask,

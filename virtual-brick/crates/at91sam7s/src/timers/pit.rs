@@ -83,6 +83,17 @@ impl Pit {
         self.periods << 20 | self.counter
     }
 
+    /// What a read gives that changes nothing; of the registers that programs poll.
+    pub(crate) fn polled(&self, offset: u32, now: Cycles) -> Option<u32> {
+        let mut then = self.clone();
+        then.advance(now);
+        match offset {
+            PIT_SR => Some(u32::from(then.elapsed)),
+            PIT_PIIR => Some(then.image()),
+            _ => None,
+        }
+    }
+
     pub(crate) fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {
         self.advance(now);
         match offset {

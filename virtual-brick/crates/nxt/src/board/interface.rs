@@ -43,7 +43,7 @@ const REFUSED: TwiReply = TwiReply {
 };
 const SOUND: u32 = 1 << 17;
 /// Pins whose changes by the chip are followed; others are looked at when they matter.
-const WATCHED: u32 =
+const FOLLOWED: u32 =
     PORT_LINES | USB_PULL_UP | MODULE_RESET | MODULE_RTS | MODULE_STREAM_WANTED | SOUND;
 /// Direction of port 4's RS485 transceiver: high while the brick drives the line.
 const RS485_DRIVES: u32 = 1 << 7;
@@ -51,10 +51,7 @@ const RS485_DRIVES: u32 = 1 << 7;
 impl Board for NxtBoard {
     fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
         let before = std::mem::replace(&mut self.outputs, outputs);
-        let changed = outputs.driven ^ before.driven
-            | outputs.level ^ before.level
-            | outputs.pull_up ^ before.pull_up;
-        if changed & WATCHED == 0 {
+        if outputs.differences(before) & FOLLOWED == 0 {
             return;
         }
         let high = |pin: u32| {
@@ -84,6 +81,10 @@ impl Board for NxtBoard {
         devices.ports.outputs_changed(now, outputs);
         devices.bluetooth.lines_changed(now, lines);
         devices.usb.set_pull_up(now, on);
+    }
+
+    fn followed_pins(&self) -> u32 {
+        FOLLOWED
     }
 
     fn pin_levels(&self) -> PinLevels {

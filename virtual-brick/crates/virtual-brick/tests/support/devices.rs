@@ -3,7 +3,7 @@
 //! Pieces of random programs that let peripherals work: timers, pins, converter, two-wire bus,
 //! serial ports with the data controller, interrupts, clocks, watched words, stacks of threads.
 
-use super::arm::{Program, NE};
+use super::arm::{Program, EQ, NE};
 use super::elf::ElfBuilder;
 use super::random::{Numbers, DATA, RAM};
 
@@ -109,15 +109,31 @@ const TIMER_REGISTERS: &[Register] = &[
     (0x28, 0, 0xFF),
 ];
 
-/// What the interrupt handler reads besides, so that requests end.
+/// Registers that programs poll.
+const POLLED: [u32; 8] = [
+    PIO + 0x3C,
+    PIO + 0x4C,
+    ADC + 0x1C,
+    TWI + 0x20,
+    TC + 0x10,
+    TC + 0x20,
+    0xFFFF_FD34,
+    0xFFFF_FD3C,
+];
+
+/// Where the interrupt handler counts.
+const SERVED: u32 = DATA - 8;
+
+/// What the interrupt handler does besides: it reads, so that requests end, and counts.
 pub fn serve(program: &mut Program) {
     for address in [TC + 0x20, TC + 0x60, TC + 0xA0, PIO + 0x4C, ADC + 0x20] {
         program.load(1, address).ldr(2, 1, 0);
     }
+    program.load(1, SERVED).ldr(2, 1, 0).add(2, 1).str(2, 1, 0);
 }
 
 /// Instructions of [`serve`].
-pub const SERVE_LENGTH: usize = 10;
+pub const SERVE_LENGTH: usize = 14;
 
 pub fn set_up(program: &mut Program, numbers: &mut Numbers) {
     program.poke(PMC + 0x10, !3);
@@ -162,8 +178,22 @@ pub fn symbols(elf: ElfBuilder, numbers: &mut Numbers, length: usize) -> ElfBuil
         .function("also_called", place())
 }
 
+/// Waits for a bit of a register, or until an interrupt was served.
+fn wait(program: &mut Program, numbers: &mut Numbers) {
+    let address = POLLED[numbers.below(POLLED.len() as u32) as usize];
+    program.status(0x13).load(5, address).load(6, SERVED);
+    program.ldr(7, 6, 0);
+    let again = program.here();
+    program.ldr(1, 5, 0).ldr(2, 6, 0).cmp(2, 7);
+    program.raw(0x0311_0000 | 1 << numbers.below(8)); // tsteq r1, #bit
+    program.branch(EQ, again);
+}
+
 /// Accesses of registers, alone or in a loop.
 pub fn accesses(program: &mut Program, numbers: &mut Numbers) {
+    if numbers.below(12) == 0 {
+        return wait(program, numbers);
+    }
     if numbers.below(3) > 0 {
         return access(program, numbers);
     }

@@ -141,6 +141,10 @@ pub(in crate::blocks) struct Run<'a, B: BlockBus> {
     pub worst_cycles: u32,
     /// Of the block's fetches, the bus was told of so many cycles with an access in the block.
     pub told_cycles: u32,
+    /// [`GuestState::cycles`] behind the last access outside of RAM.
+    pub outside_ram_at: u32,
+    /// The registers that were read would read the same again.
+    pub reads_steadily: bool,
     /// Opcodes of the pipeline from before an access through the bus, which may change memory.
     pub fetched: Option<[u32; 2]>,
     /// Masks that still count at the next boundary, from before an MSR; else [`NO_MASKS`].
@@ -165,12 +169,20 @@ pub(in crate::blocks) fn run_next<B: BlockBus>(run: &mut Run<'_, B>, mut ops: Op
 }
 
 impl<B: BlockBus> Run<'_, B> {
-    /// Tells the bus of cycles in which instructions were executed.
+    /// Tells the bus of the cycles in which instructions were executed; counts from 0 again.
     #[inline(always)]
     pub fn pass(&mut self, cycles: u32) {
         self.bus.pass(cycles);
         self.passed_cycles += u64::from(cycles);
         self.ran = true;
+        self.state.cycles = 0;
+        self.outside_ram_at = 0;
+    }
+
+    /// Cycles from the time that the bus knows to the access of this instruction.
+    #[inline(always)]
+    pub fn passed_at(&self, op: &Op<B>) -> u32 {
+        self.state.cycles + u32::from(op.through) - self.told_cycles
     }
 
     /// Cycles from the time that the bus knows until something is due. The masks of both sides of

@@ -30,7 +30,7 @@ pub(in crate::blocks) fn load<B: BlockBus, const ITEM: u8>(
             run.set(op.destination, extended(ITEM, value));
             run.continue_behind(ops);
         }
-        Err(_) => run.end = End::Aborted,
+        Err(_) => run.end_behind(op, End::Aborted),
     }
 }
 
@@ -54,50 +54,58 @@ pub(in crate::blocks) fn store<B: BlockBus, const ITEM: u8>(
     }
     match stored {
         Ok(()) => run.continue_behind(ops),
-        Err(_) => run.end = End::Aborted,
+        Err(_) => run.end_behind(op, End::Aborted),
     }
 }
 
 impl<B: BlockBus> Run<'_, B> {
-    /// Time and pipeline as they are when the access of this instruction begins; false when the
-    /// reference engine must make it, and the block has ended before it.
+    /// Time and, if memory may change, pipeline as they are when the access of this instruction
+    /// begins; false when the reference engine must make it, and the block has ended before it.
     #[inline(always)]
     fn begin_access(&mut self, op: &Op<B>, address: u32, width: Width, write: bool) -> bool {
-        let passed = self.state.cycles + u32::from(op.through) - self.told_cycles;
-        let access = self.bus.access_between(address, width, write, passed);
-        if access == BusAccess::Refused {
-            self.exit_before(op);
-            return false;
+        let passed = self.passed_at(op);
+        match self.bus.access_between(address, width, write, passed) {
+            BusAccess::Refused => {
+                self.exit_before(op);
+                return false;
+            }
+            BusAccess::KeepsMemory => {}
+            BusAccess::ChangesMemory => {
+                self.end_behind(op, End::Accessed);
+                let ahead = 2 * size_of(self.state.next);
+                self.fetched = Some(opcodes(self.bus, self.state.next));
+                let next = self.state.next & !1;
+                self.bus.continue_at(next.wrapping_add(ahead));
+            }
         }
-        let (state, size) = (self.state.next & 1, size_of(self.state.next));
-        self.state.next = op.address.wrapping_add(size) | state;
-        if access == BusAccess::ChangesMemory {
-            self.fetched = Some(opcodes(self.bus, self.state.next));
-        }
-        self.bus.continue_at(op.address.wrapping_add(3 * size));
         self.pass(passed);
-        self.state.cycles = 0;
         self.told_cycles = 0;
-        self.end = End::Accessed;
         true
+    }
+
+    /// The block ends behind the instruction.
+    fn end_behind(&mut self, op: &Op<B>, end: End) {
+        let state = self.state.next & 1;
+        self.state.next = op.address.wrapping_add(size_of(state)) | state;
+        self.end = end;
     }
 
     /// Executes what is left of the block behind an access, if it certainly ends before anything
     /// is due.
+    #[inline(always)]
     fn continue_behind(&mut self, ops: Ops<'_, B>) {
         first!(ops => op);
         let through = u32::from(op.through);
         let left = self.worst_cycles - through;
-        if self.fetched.is_some() || self.bus.needs_attention() || left > self.budget {
-            return;
+        if self.fetched.is_some() || left > self.budget || self.bus.needs_attention() {
+            return self.end_behind(op, End::Accessed);
         }
         self.delayed = NO_MASKS;
         let budget = self.cycles_until_event();
         if left > budget {
-            return;
+            return self.end_behind(op, End::Accessed);
         }
         self.budget = budget;
-        self.end = End::Reached;
         self.told_cycles = through;
         run_next(self, ops);
         self.state.cycles -= std::mem::take(&mut self.told_cycles);

@@ -66,14 +66,41 @@ fn load_outside_ram<B: BlockBus, const ITEM: u8>(
 ) {
     first!(ops => op);
     let Some(PlainRead { value, cycles }) = run.bus.plain_read(at, width(ITEM)) else {
-        return slow_path::load::<B, ITEM>(run, ops, (at, moved));
+        return load_register::<B, ITEM>(run, ops, (at, moved));
     };
-    run.state.cycles += cycles + 1;
-    if op.mode & WRITE_BACK != 0 {
-        run.set(op.first, moved);
-    }
+    run.accessed_outside_ram(op, moved, cycles + 1);
     run.set(op.destination, extended(ITEM, value));
     run_next(run, ops);
+}
+
+/// A load that is not from memory.
+#[inline(never)]
+fn load_register<B: BlockBus, const ITEM: u8>(
+    run: &mut Run<'_, B>,
+    ops: Ops<'_, B>,
+    (at, moved): (u32, u32),
+) {
+    first!(ops => op);
+    let passed = run.passed_at(op);
+    let read = (ITEM == WORD).then(|| run.bus.register_read(at, passed));
+    let Some((value, steady)) = read.flatten() else {
+        return slow_path::load::<B, ITEM>(run, ops, (at, moved));
+    };
+    run.reads_steadily &= steady;
+    run.accessed_outside_ram(op, moved, run.bus.register_cycles() + 1);
+    run.set(op.destination, value);
+    run_next(run, ops);
+}
+
+impl<B: BlockBus> Run<'_, B> {
+    #[inline(always)]
+    fn accessed_outside_ram(&mut self, op: &Op<B>, moved: u32, cycles: u32) {
+        self.state.cycles += cycles;
+        self.outside_ram_at = self.state.cycles;
+        if op.mode & WRITE_BACK != 0 {
+            self.set(op.first, moved);
+        }
+    }
 }
 
 fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(run: &mut Run<'_, B>, ops: Ops<'_, B>) {
@@ -81,13 +108,30 @@ fn store<B: BlockBus, const ITEM: u8, const ADDRESSING: u8>(run: &mut Run<'_, B>
     let (at, moved) = address::<B, ADDRESSING>(run, op);
     let value = run.get(op.destination);
     if !run.bus.ram_write(at, width(ITEM), value) {
-        return slow_path::store::<B, ITEM>(run, ops, (at, moved));
+        return store_outside_ram::<B, ITEM>(run, ops, (at, moved));
     }
     run.state.cycles += u32::from(op.cycles);
     run.state.after_store = op.address;
     if ADDRESSING == GENERAL && op.mode & WRITE_BACK != 0 {
         run.set(op.first, moved);
     }
+    run_next(run, ops);
+}
+
+/// A store that is not a plain one to RAM.
+#[inline(never)]
+fn store_outside_ram<B: BlockBus, const ITEM: u8>(
+    run: &mut Run<'_, B>,
+    ops: Ops<'_, B>,
+    (at, moved): (u32, u32),
+) {
+    first!(ops => op);
+    let (value, passed) = (run.get(op.destination), run.passed_at(op));
+    if ITEM != WORD || !run.bus.register_write(at, value, passed) {
+        return slow_path::store::<B, ITEM>(run, ops, (at, moved));
+    }
+    run.accessed_outside_ram(op, moved, run.bus.register_cycles());
+    run.state.after_store = op.address;
     run_next(run, ops);
 }
 

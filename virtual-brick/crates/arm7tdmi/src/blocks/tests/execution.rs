@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! What one run of blocks executes, and where it stops.
 
-use super::machine::{assert_as_reference, branch, program, run_until, DEVICE, NOP, START};
+use super::machine::{
+    assert_as_reference, branch, program, run_until, CLOCK, CONSTANT, DEVICE, LATCH, NOP, START,
+};
 use crate::blocks::Blocks;
 use crate::instruction::ALWAYS;
 use crate::psr;
@@ -38,6 +40,56 @@ fn an_idle_loop_passes_in_whole_iterations() {
     let run = cpu.run_blocks(&mut machine, &mut Blocks::default(), u64::MAX, 1);
     assert!(run.branched_to_itself);
     assert!(machine.event - machine.now < 3);
+}
+
+#[test]
+fn a_loop_that_polls_a_register_passes_at_once_only_if_it_reads_the_same() {
+    let opcodes = [
+        0xE591_0000,                 // ldr r0, [r1]
+        0xE150_0003,                 // cmp r0, r3
+        branch(3, START + 8, START), // blo
+        COUNT,
+        branch(ALWAYS, START + 16, START),
+    ];
+    for (register, polls) in [(CLOCK, 1_000..2_000), (CONSTANT, 1..4)] {
+        let (mut cpu, mut machine) = program(&opcodes);
+        cpu.set_register(1, register);
+        cpu.set_register(3, 9_000);
+        machine.event = machine.now + 10_000;
+        let run = cpu.run_blocks(&mut machine, &mut Blocks::default(), u64::MAX, 1);
+        assert_eq!(run.accessed, None);
+        assert!(polls.contains(&machine.polls.get()), "{:?}", machine.polls);
+        assert!(machine.event - machine.now < 10);
+        let (mut reference, mut bus) = program(&opcodes);
+        reference.set_register(1, register);
+        reference.set_register(3, 9_000);
+        while bus.now < machine.now {
+            reference.step(&mut bus);
+        }
+        assert_eq!((&reference, bus.now), (&cpu, machine.now));
+    }
+}
+
+#[test]
+fn a_block_goes_on_behind_a_write_of_a_register_that_moves_no_event() {
+    let opcodes = [
+        COUNT,
+        0xE481_2000, // str r2, [r1], #0
+        COUNT,
+        branch(ALWAYS, START + 12, START),
+    ];
+    let (mut cpu, mut machine) = program(&opcodes);
+    cpu.set_register(1, LATCH);
+    machine.event = machine.now + 12;
+    let run = cpu.run_blocks(&mut machine, &mut Blocks::default(), u64::MAX, 1);
+    let (mut reference, mut bus) = program(&opcodes);
+    reference.set_register(1, LATCH);
+    while bus.now < machine.now {
+        reference.step(&mut bus);
+    }
+    assert_eq!((run.accessed, cpu.register(2)), (None, 4));
+    assert_eq!((&reference, bus.now), (&cpu, machine.now));
+    assert_eq!((bus.latched, bus.latched.0), (machine.latched, 3));
 }
 
 #[test]

@@ -62,13 +62,19 @@ fn a_new_epoch_invalidates_all_blocks() {
 fn epochs_that_change_all_the_time_leave_the_run_to_single_steps() {
     let (mut cpu, mut machine) = program(&opcodes());
     let mut blocks = Blocks::default();
-    let mut runs = 0;
+    let (mut runs, mut alone) = (0, 0);
     let steps = 20_000;
     for _ in 0..steps {
         machine.epoch += 1;
         let limit = machine.now + 20;
-        let leaves = blocks.leaves_to_reference();
-        if !leaves && cpu.run_blocks(&mut machine, &mut blocks, limit, 1).ran {
+        let asked = alone == 0;
+        let ran = asked && cpu.run_blocks(&mut machine, &mut blocks, limit, 1).ran;
+        alone = if asked {
+            blocks.steps_of_reference()
+        } else {
+            alone - 1
+        };
+        if ran {
             runs += 1;
         } else {
             cpu.step(&mut machine);

@@ -2,12 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //! A machine with RAM at address 0 and a device behind it; every access takes one cycle.
 
+use std::cell::Cell;
+
 use crate::blocks::{BlockBus, Blocks, BusAccess, CodePlace, PlainRead, PlainWords, RamView};
 use crate::{Abort, Bus, Cpu, Cycle, Width};
 
 const WORDS: usize = 0x400;
 /// Reads give the time of the access; writes set the next event.
 pub const DEVICE: u32 = 0x1000;
+/// Reads give the time, or a constant, and change nothing.
+pub const CLOCK: u32 = 0x2000;
+pub const CONSTANT: u32 = 0x3000;
+/// Writes do nothing but to be kept.
+pub const LATCH: u32 = 0x4000;
 /// Address of a program's first instruction; the pipeline has been filled when it runs.
 pub const START: u32 = 4;
 pub const NOP: u32 = 0xE1A0_8008;
@@ -20,6 +27,10 @@ pub struct Machine {
     pub now: u64,
     pub event: u64,
     pub epoch: u32,
+    /// Reads of registers.
+    pub polls: Cell<u32>,
+    /// What the latch got last, and when.
+    pub latched: (u32, u64),
 }
 
 /// B from one address to another, under a condition.
@@ -39,6 +50,8 @@ pub fn program(opcodes: &[u32]) -> (Cpu, Machine) {
         now: 0,
         event: u64::MAX,
         epoch: 0,
+        polls: Cell::new(0),
+        latched: (0, 0),
     };
     let mut cpu = Cpu::new();
     cpu.set_pc(0);
@@ -55,8 +68,13 @@ pub fn store(machine: &mut Machine, address: u32, value: u32) {
 /// Runs blocks, and single steps between them, up to an instant.
 pub fn run_until(cpu: &mut Cpu, machine: &mut Machine, blocks: &mut Blocks<Machine>, end: u64) {
     while machine.now < end {
-        if blocks.leaves_to_reference() || !cpu.run_blocks(machine, blocks, end, 1).ran {
+        if !cpu.run_blocks(machine, blocks, end, 1).ran {
             cpu.step(machine);
+        }
+        for _ in 0..blocks.steps_of_reference() {
+            if machine.now < end {
+                cpu.step(machine);
+            }
         }
     }
 }
@@ -128,6 +146,8 @@ impl Bus for Machine {
         let index = address as usize / 4;
         Ok(if index < WORDS {
             self.value(index, address, width)
+        } else if address == CONSTANT {
+            0
         } else {
             self.now as u32
         })
@@ -136,6 +156,10 @@ impl Bus for Machine {
     fn write(&mut self, address: u32, width: Width, value: u32, _: Cycle) -> Result<(), Abort> {
         self.now += 1;
         let index = address as usize / 4;
+        if address == LATCH {
+            self.latched = (value, self.now);
+            return Ok(());
+        }
         if index >= WORDS {
             self.event = u64::from(value);
             return Ok(());
@@ -226,6 +250,27 @@ impl BlockBus for Machine {
     fn plain_read(&self, address: u32, width: Width) -> Option<PlainRead> {
         let value = self.ram_read(address, width)?;
         Some(PlainRead { value, cycles: 1 })
+    }
+
+    fn register_cycles(&self) -> u32 {
+        1
+    }
+
+    fn register_read(&self, address: u32, after_cycles: u32) -> Option<(u32, bool)> {
+        let value = match address {
+            CLOCK => self.now as u32 + after_cycles + 1,
+            CONSTANT => 0,
+            _ => return None,
+        };
+        self.polls.set(self.polls.get() + 1);
+        Some((value, address == CONSTANT))
+    }
+
+    fn register_write(&mut self, address: u32, value: u32, after_cycles: u32) -> bool {
+        if address == LATCH {
+            self.latched = (value, self.now + u64::from(after_cycles) + 1);
+        }
+        address == LATCH
     }
 
     fn plain_words(&self, address: u32, count: u32) -> Option<PlainWords<&[u32]>> {

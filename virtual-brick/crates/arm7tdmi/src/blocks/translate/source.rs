@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! The instructions of a block, and where it ends.
 
+use super::analysis::is_idempotent;
 use crate::blocks::bus::{BlockBus, CodePlace};
 use crate::blocks::operations::run::{size_of, width_of};
 use crate::bus::Width;
@@ -80,7 +81,7 @@ pub(in crate::blocks) fn read_source<B: BlockBus>(bus: &B, key: u32, place: Code
         let fetch_cycles = bus.sequential_fetch_cycles(ahead, width);
         worst += most_cycles(&instruction, fetch_cycles, most);
         source.worst_cycles.push(worst);
-        if ends(&instruction) {
+        if ends(&instruction) || closes_idle_loop(size, &source.instructions) {
             return source;
         }
     }
@@ -93,6 +94,16 @@ pub(in crate::blocks) fn read_source<B: BlockBus>(bus: &B, key: u32, place: Code
     source.instructions.truncate(length);
     source.worst_cycles.truncate(length);
     source
+}
+
+/// The last of these instructions branches back to the first until memory or a register changes.
+fn closes_idle_loop(size: u32, instructions: &[Instruction]) -> bool {
+    let behind = instructions.len() as u32 + 1;
+    let back = instructions.last().is_some_and(|last| {
+        matches!(last.operation, Operation::Branch { offset, link: false }
+            if offset == (size * behind).wrapping_neg())
+    });
+    back && is_idempotent(instructions)
 }
 
 /// Most cycles of an instruction whose fetch takes so many, where no other fetch and no plain

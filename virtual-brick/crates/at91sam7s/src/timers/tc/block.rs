@@ -40,6 +40,13 @@ impl TimerBlock {
         lines
     }
 
+    /// What a read gives that changes nothing, before a channel wants to be served; of the registers
+    /// that programs poll. And whether it gives that until then.
+    pub(crate) fn polled(&self, offset: u32, now: Cycles) -> Option<(u32, bool)> {
+        let channel = self.channels.get((offset / CHANNEL_BYTES) as usize)?;
+        channel.polled(offset % CHANNEL_BYTES, now)
+    }
+
     pub(crate) fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {
         match offset {
             0..=CHANNELS_LAST => {

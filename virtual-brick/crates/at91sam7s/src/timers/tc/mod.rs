@@ -16,6 +16,7 @@ use crate::registers::{check_written, registers, unmodelled, Unmodelled};
 
 pub(crate) mod block;
 mod capture;
+mod counting;
 mod waveform;
 
 registers! {
@@ -45,6 +46,8 @@ const DISABLE: u32 = 1 << 7;
 const CPCTRG: u32 = 1 << 14;
 const WAVE: u32 = 1 << 15;
 const TOP: u32 = 0xFFFF;
+/// Binary logarithms of the dividers; there is none behind the fifth.
+const DIVIDER_BITS: [u32; 8] = [1, 3, 5, 7, 10, 10, 10, 10];
 /// The block mode has no effect: it chooses between external clocks.
 const UNMODELLED: &[Unmodelled] = &[
     unmodelled(TC_CMR, 7, "counting an external clock (TCCLKS XC0 to XC2)").above(4),
@@ -120,14 +123,13 @@ impl Channel {
         NAMES[usize::from(self.number)]
     }
 
+    /// Binary logarithm of the divider.
+    fn divider_bits(&self) -> u32 {
+        DIVIDER_BITS[(self.mode & 7) as usize]
+    }
+
     fn divider(&self) -> Cycles {
-        match self.mode & 7 {
-            0 => 2,
-            1 => 8,
-            2 => 32,
-            3 => 128,
-            _ => 1024,
-        }
+        1 << self.divider_bits()
     }
 
     fn phase(&self) -> Cycles {
@@ -140,7 +142,8 @@ impl Channel {
 
     /// Last clock edge at or before `now` (before the first edge: the virtual edge at 0).
     fn edge_before(&self, now: Cycles) -> Cycles {
-        now.saturating_sub(self.phase()) / self.divider() * self.divider() + self.phase()
+        let bits = self.divider_bits();
+        (now.saturating_sub(self.phase()) >> bits << bits) + self.phase()
     }
 
     /// First clock edge after `now`.
@@ -169,6 +172,11 @@ impl Channel {
         self.mode & CPCTRG != 0
     }
 
+    /// It does not always count up to the top.
+    fn turns(&self) -> bool {
+        self.rc_is_limit() || self.counts_up_and_down()
+    }
+
     /// Highest value in the up-and-down modes.
     fn peak(&self) -> u32 {
         if self.rc_is_limit() {
@@ -182,144 +190,11 @@ impl Channel {
         if !self.running() || now < self.edge {
             return self.value;
         }
-        let steps = ((now - self.edge) / self.divider()) as u32;
+        let steps = ((now - self.edge) >> self.divider_bits()) as u32;
         if self.up {
             self.value.wrapping_add(steps) & TOP
         } else {
             self.value.wrapping_sub(steps) & TOP
-        }
-    }
-
-    /// Steps until the counter next does something worth an event.
-    fn steps_to_event(&self) -> u32 {
-        if !self.up {
-            let below = |target: u32| {
-                if target < self.value {
-                    self.value - target
-                } else {
-                    TOP
-                }
-            };
-            let compares = below(self.ra).min(below(self.rb)).min(below(self.rc));
-            return compares.min(self.value).max(1);
-        }
-        let above = |target: u32| {
-            if target > self.value {
-                target - self.value
-            } else {
-                TOP + 1 - self.value
-            }
-        };
-        let compares = above(self.ra).min(above(self.rb)).min(above(self.rc));
-        if self.counts_up_and_down() {
-            compares.min(above(self.peak()))
-        } else {
-            compares
-        }
-    }
-
-    /// When this channel wants to be served.
-    pub(crate) fn next_event(&self) -> Cycles {
-        self.next_step().0
-    }
-
-    /// When this channel wants to be served, and steps of the counter until then.
-    fn next_step(&self) -> (Cycles, u32) {
-        let trigger = if self.clocked { self.trigger_at } else { NEVER };
-        if !self.running() {
-            return (trigger, 0);
-        }
-        let steps = self.steps_to_event();
-        let at = self.edge + Cycles::from(steps) * self.divider();
-        (trigger.min(at), steps)
-    }
-
-    /// Bring the channel to `now`: triggers and compares in the order of time. When it wants to be
-    /// served next.
-    pub(crate) fn advance(&mut self, now: Cycles) -> Cycles {
-        loop {
-            let (at, steps) = self.next_step();
-            if at > now {
-                return at;
-            }
-            if self.trigger_at == at {
-                self.take_trigger(at);
-            } else {
-                self.step_onto_event(at, steps);
-            }
-        }
-    }
-
-    fn step_onto_event(&mut self, at: Cycles, steps: u32) {
-        let next = if self.up {
-            self.value + steps
-        } else {
-            self.value.wrapping_sub(steps)
-        };
-        if next > TOP {
-            self.status |= COVFS;
-        }
-        self.value = next & TOP;
-        self.edge = at;
-        self.compare(self.value);
-        if self.counts_up_and_down() {
-            if self.up && self.value == self.peak() {
-                self.up = false;
-            } else if self.value == 0 {
-                self.up = true;
-            }
-        }
-    }
-
-    /// The counter stepped onto `value`.
-    fn compare(&mut self, value: u32) {
-        let at_rc = value == self.rc;
-        if self.is_waveform() {
-            if value == self.ra {
-                self.status |= CPAS;
-            }
-            if value == self.rb {
-                self.status |= CPBS;
-            }
-            self.apply_compare_effects(value == self.ra, value == self.rb, at_rc);
-        }
-        if !at_rc {
-            return;
-        }
-        self.status |= CPCS;
-        if self.rc_is_limit() && !self.counts_up_and_down() {
-            self.value = 0;
-            self.ra_loaded = false;
-        }
-        if self.is_waveform() {
-            self.stop_or_disable();
-        }
-    }
-
-    fn stop_or_disable(&mut self) {
-        if self.mode & STOP != 0 {
-            self.started = false;
-        }
-        if self.mode & DISABLE != 0 {
-            self.enabled = false;
-        }
-    }
-
-    fn take_trigger(&mut self, at: Cycles) {
-        let was_running = self.running();
-        self.trigger_at = NEVER;
-        if self.counts_up_and_down() && was_running {
-            self.value = self.value_at(at);
-            self.up = !self.up;
-        } else {
-            self.value = 0;
-            self.up = true;
-        }
-        self.edge = at;
-        self.started = true;
-        self.ra_loaded = false;
-        if self.is_waveform() {
-            self.apply_trigger_effects(self.trigger_is_external);
         }
     }
 
@@ -386,6 +261,15 @@ impl Channel {
         (Some(self.output_a), b_is_output.then_some(self.output_b))
     }
 
+    fn polled(&self, offset: u32, now: Cycles) -> Option<(u32, bool)> {
+        let kept = self.status == 0 && !self.unread_a && !self.unread_b;
+        match offset {
+            TC_CV if !self.turns() || now < self.next_step().0 => Some((self.value_at(now), false)),
+            TC_SR if kept => Some((self.status_word(), true)),
+            _ => None,
+        }
+    }
+
     fn read(&mut self, offset: u32, now: Cycles) -> Access<u32> {
         self.advance(now);
         Ok(match offset {
@@ -407,12 +291,16 @@ impl Channel {
         })
     }
 
-    fn read_status(&mut self) -> u32 {
+    fn status_word(&self) -> u32 {
         let (out_a, out_b) = self.output_lines();
-        let value = self.status
+        self.status
             | u32::from(self.enabled) << 16
             | u32::from(out_a.unwrap_or(self.line_a)) << 17
-            | u32::from(out_b.unwrap_or(self.line_b)) << 18;
+            | u32::from(out_b.unwrap_or(self.line_b)) << 18
+    }
+
+    fn read_status(&mut self) -> u32 {
+        let value = self.status_word();
         self.status = 0;
         self.unread_a = false;
         self.unread_b = false;
