@@ -8,7 +8,7 @@ with NXT.Bytes;               use NXT.Bytes;
 
 package body NXT.Bluetooth is
 
-   Poll_Period     : constant Time_Span := Milliseconds (2);
+   Poll_Period     : constant Time_Span := Milliseconds (4);
    Reset_Time      : constant Time_Span := Milliseconds (100);
    Start_Limit     : constant Time_Span := Seconds (5);
    Answer_Limit    : constant Time_Span := Milliseconds (500);
@@ -143,15 +143,12 @@ package body NXT.Bluetooth is
       end case;
    end Handle_Message;
 
-   Bytes_Per_Poll : constant := 24;
-   --  That a call of Poll takes; the next ones are taken by the next call.
-
    --  A message, if one is complete. Not to be called while the stream is open.
    procedure Handle_Messages is
       Item  : Message;
       Found : Boolean;
    begin
-      Receive (Item, Found, Most_Bytes => Bytes_Per_Poll);
+      Receive (Item, Found);
       if Found then
          Handle_Message (Item);
       end if;
@@ -223,7 +220,9 @@ package body NXT.Bluetooth is
       end if;
    end Disconnect;
 
-   --  Questions and answers
+   --  Questions and answers. Each look for one comes after a wait, and whether to go on is decided
+   --  before it: between two waits there is one look at most, and what a message needs or is asked
+   --  next.
 
    procedure Wait_For
      (Code : Byte; Limit : Time_Span; Item : out Message; Found : out Boolean)
@@ -231,17 +230,18 @@ package body NXT.Bluetooth is
       Now      : Time := Clock;
       Deadline : constant Time := Now + Limit;
    begin
+      Found := False;
       loop
-         pragma Annotate (Ravenbrick, Iterations, 2_501, "Start_Limit each Poll_Period");
+         pragma Annotate (Ravenbrick, Iterations, 1_251, "Start_Limit each Poll_Period");
+         Now := Now + Poll_Period;
+         delay until Now;
+         exit when Now > Deadline;
          Receive (Item, Found);
          exit when Found and then Item.Code = Code;
          if Found then
             Handle_Message (Item);
             Found := False;
          end if;
-         exit when Now >= Deadline;
-         Now := Now + Poll_Period;
-         delay until Now;
       end loop;
    end Wait_For;
 
@@ -307,7 +307,10 @@ package body NXT.Bluetooth is
    begin
       Length := 0;
       loop
-         pragma Annotate (Ravenbrick, Iterations, 163_451, "the longest search each Poll_Period");
+         pragma Annotate (Ravenbrick, Iterations, 81_726, "the longest search each Poll_Period");
+         Now := Now + Poll_Period;
+         delay until Now;
+         exit when Now > Deadline;
          Receive (Item, Received);
          exit when Received and then Item.Code = Ending;
          if Received and then Item.Code = Element and then Item.Count >= Device_Length
@@ -316,9 +319,6 @@ package body NXT.Bluetooth is
             Found (Found'First + Length) := To_Device (Item);
             Length := Length + 1;
          end if;
-         exit when Now >= Deadline;
-         Now := Now + Poll_Period;
-         delay until Now;
       end loop;
    end Collect;
 
@@ -368,12 +368,12 @@ package body NXT.Bluetooth is
    begin
       Last_Failed := False;
       loop
-         pragma Annotate (Ravenbrick, Iterations, 300_000, "ten minutes; no job with a deadline");
-         Poll;
-         Success := Current_State = Wanted;
-         exit when Success or else Last_Failed;
+         pragma Annotate (Ravenbrick, Iterations, 150_000, "ten minutes; no job with a deadline");
          Next := Next + Poll_Period;
          delay until Next;
+         Success := Current_State = Wanted;
+         exit when Success or else Last_Failed;
+         Poll;
       end loop;
    end Wait_Until;
 

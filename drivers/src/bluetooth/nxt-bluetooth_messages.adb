@@ -81,9 +81,9 @@ package body NXT.Bluetooth_Messages is
       end if;
    end Accept_Byte;
 
-   procedure Receive
-     (Item : out Message; Found : out Boolean; Most_Bytes : Positive := Longest_Message)
-   is
+   procedure Receive (Item : out Message; Found : out Boolean) is
+      Most_Bytes : constant := 16;
+
       Next  : Byte;
       Comes : Boolean;
    begin

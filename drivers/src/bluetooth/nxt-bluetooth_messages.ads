@@ -29,10 +29,9 @@ package NXT.Bluetooth_Messages is
    Longest_Message : constant := 1 + Overhead + Longest_Arguments;
    --  Overhead: code and sum, what the length counts besides the arguments.
 
-   procedure Receive
-     (Item : out Message; Found : out Boolean; Most_Bytes : Positive := Longest_Message);
+   procedure Receive (Item : out Message; Found : out Boolean);
    --  The next message that has come whole and right, if any. Longer ones are passed over. A call
-   --  takes Most_Bytes at most; it is called again while there may be more.
+   --  takes 16 bytes at most, so that it is short: a long message needs more than one.
 
    procedure Restart;
    --  Forget the beginning of a message.

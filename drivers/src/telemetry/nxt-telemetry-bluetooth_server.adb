@@ -18,6 +18,7 @@ package body NXT.Telemetry.Bluetooth_Server is
       end loop;
       Bluetooth.Set_Discoverable (True);
       Bluetooth.Serve (Bluetooth.To_Pin (Pin));
+      delay until Clock + Milliseconds (4);  --  Between two waits the task does one thing only.
    end Start;
 
    procedure Require is

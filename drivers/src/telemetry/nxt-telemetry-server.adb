@@ -165,23 +165,28 @@ package body NXT.Telemetry.Server is
 
    Period : constant Time_Span := Milliseconds (Period_Ms);
 
-   --  The next instant that lies whole periods after First_Release: steps double and begin anew.
-   --  A division of 64 bits would take 400 bytes more, for which the paper's image has no room.
+   --  The next instant that lies whole periods after First_Release, by additions alone: a division
+   --  of 64 bits would take 400 bytes more, for which the paper's image has no room.
    function Next_Release return Time with No_Inline;
 
    function Next_Release return Time is
-      Step : Time_Span := Period;
+      Now   : constant Time := Clock;
+      Steps : array (1 .. 25) of Time_Span;
+      --  Each twice the one before it: nine hours of periods of 1 ms in all.
    begin
+      Steps (1) := Period;
+      for Index in 2 .. Steps'Last loop
+         Steps (Index) := Steps (Index - 1) + Steps (Index - 1);
+      end loop;
       return Next : Time := First_Release do
-         while Next <= Clock loop
-            pragma Annotate (Ravenbrick, Iterations, 250, "half of log2 (an hour / 1 ms) ** 2");
-            if Step > Period and then Next + Step > Clock then
-               Step := Period;
-            else
+         for Step of reverse Steps loop
+            if Next + Step <= Now then
                Next := Next + Step;
-               Step := Step + Step;
             end if;
          end loop;
+         if Next <= Now then
+            Next := Next + Period;
+         end if;
       end return;
    end Next_Release;
 

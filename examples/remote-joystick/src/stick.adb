@@ -98,6 +98,7 @@ package body Stick is
    begin
       loop
          pragma Annotate (Ravenbrick, Iterations, 600, "an hour; no job with a deadline");
+         delay until Clock + Period;
          Show (Looking);
          Look_For_Vehicle (Address, Success);
          if Success then
@@ -105,7 +106,6 @@ package body Stick is
             Connect (Address, To_Pin (Vehicle_Pin), Success);
          end if;
          exit when Success;
-         delay until Clock + Period;
       end loop;
    end Search;
 

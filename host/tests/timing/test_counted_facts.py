@@ -49,7 +49,6 @@ from ravenbrick.trace.task_set import check_shortest_interval
 OUTSIDE = """[[outside]]
 symbol = "workers__seldom"
 task = "control"
-at_most_cycles = 90_000
 period_us = 1_000
 reason = ""
 
@@ -157,16 +156,17 @@ def test_a_search_after_which_the_task_is_released_anew_is_outside(tmp_path: Pat
     events = recording.events
     is_release = (events["kind"] == int(EventKind.RELEASE)) & (events["subject"] == control)
     late = replace(recording, events=events[~(is_release & (events["value"] == after))])
-    facts = analysed(wrong, wrong.facts).counted
-    counts = fact_counts(wrong.robot, wrong.facts, wrong.image, facts, late)
+    analysis = analysed(wrong, wrong.facts)
+    counts = fact_counts(wrong.robot, wrong.facts, wrong.image, analysis.counted, late)
     assert [count.excess for count in counts if count.excess] == []
-    longest, soonest = outside_counts(wrong.robot, wrong.facts, late)
+    longest, soonest = outside_counts(wrong.robot, wrong.facts, analysis, late)
     assert (longest.excess, soonest.excess, soonest.seen) == ("", "", 8_000)
-    short = changed(tmp_path, "[[loop]]", OUTSIDE.replace("90_000", "10") + "[[loop]]")
-    longest, _ = outside_counts(short.robot, short.facts, late)
-    assert longest.excess.startswith(f"declared 10, seen {longest.seen} cycles in the job at ")
+    assert 0 < longest.seen <= longest.declared
+    few = tuple(replace(t, job=replace(t.job, outside_cycles=10)) for t in analysis.tasks)
+    longest, _ = outside_counts(wrong.robot, wrong.facts, replace(analysis, tasks=few), late)
+    assert longest.excess.startswith(f"at most 10 cycles, seen {longest.seen} in the job at ")
     often = changed(tmp_path, "[[loop]]", OUTSIDE.replace("1_000", "9_000") + "[[loop]]")
-    _, soonest = outside_counts(often.robot, often.facts, late)
+    _, soonest = outside_counts(often.robot, often.facts, analysis, late)
     assert soonest.excess.startswith("declared 9000 us, released again 8000 us after at ")
     whole, without = (observe(wrong.robot, late, 1, names) for names in ((), {"control"}))
     assert without["control"].jobs < whole["control"].jobs
@@ -186,15 +186,28 @@ def test_a_job_has_a_deadline_if_the_next_release_is_a_period_later() -> None:
 
 
 def test_code_outside_of_jobs_delays_less_urgent_tasks_and_not_its_own(tmp_path: Path) -> None:
-    """The cycles that are stated, and a call of the alarm with the return to the listener."""
-    fact = OUTSIDE.replace("1_000", "8_000") + "[[loop]]"
-    stated = changed(tmp_path, "[[loop]]", fact)
-    few = changed(tmp_path, "[[loop]]", fact.replace("90_000", "1"))
-    bounds, less = (analysed(found, found.facts).bounds for found in (stated, few))
+    """The job with that code, and a call of the alarm with the return to the listener."""
+    stated = changed(tmp_path, "[[loop]]", OUTSIDE.replace("1_000", "8_000") + "[[loop]]")
+    never = OUTSIDE.replace("outside", "never").replace('task = "control"\nperiod_us = 1_000\n', "")
+    without = changed(tmp_path, "[[loop]]", never + "[[loop]]")
+    outside, other = (analysed(found, found.facts) for found in (stated, without))
+    bounds, less = outside.bounds, other.bounds
     assert bounds["control"].bound == less["control"].bound
+    (job,) = (timing.job for timing in outside.tasks if timing.task.name == "control")
+    assert job.outside_cycles > job.cycles
     longer, shorter = bounds["listener"].bound, less["listener"].bound
-    assert longer is not None and shorter is not None and longer - shorter >= 89_999
+    assert longer is not None and shorter is not None and longer - shorter >= job.outside_cycles
     assert bounds.keys() == less.keys() and "listener" in bounds
+
+
+def test_a_release_is_of_a_job_or_of_code_outside_of_jobs(tmp_path: Path) -> None:
+    """So the longer one alone delays others, if the next release may come as soon."""
+    for period, met in (("4_000", False), ("4_001", True)):
+        found = changed(tmp_path, "[[loop]]", OUTSIDE.replace("1_000", period) + "[[loop]]")
+        terms = analysed(found, found.facts).bounds["listener"].terms
+        assert terms is not None
+        names = {part.task for part in terms.interference}
+        assert "control, outside of jobs" in names and ("control" in names) == met
 
 
 REFILL = OUTSIDE.replace("seldom", "refill").replace('"control"', '"listener"')

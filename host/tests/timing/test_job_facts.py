@@ -105,7 +105,7 @@ def test_a_task_meets_its_own_phase_and_that_of_others_whose_other_code_is_state
     _, facts, _, analysis, _ = run()
     slow = {"display_task": 1_000}
     apart = replace(facts, together=facts.together - set(slow), in_jobs=slow)
-    code = OutsideLoad("display_task", 5_000, 2_000, "a test")
+    code = OutsideLoad("display_task", 2_000, "a test")
     phase = exact_cycles(1_000)
 
     def seen_by(priority: int, own: str, facts: Facts) -> Time | None:
@@ -133,11 +133,11 @@ def test_the_last_job_of_a_run_is_outside_only_if_it_comes_at_another_time(
 ) -> None:
     """A run that ends in a long job says nothing of code outside of jobs."""
     task = next(task for task in run()[0].tasks if task.name == "control_task")
-    facts = replace(run()[1], outside_loads=(OutsideLoad("control_task", 500, 1_000, "a test"),))
+    facts = replace(run()[1], outside_loads=(OutsideLoad("control_task", 1_000, "a test"),))
     releases_us = [0, 4_000, 8_000, 8_000 + gap_us]
     release = np.array([MASTER_CLOCK.cycles_of_us(at) for at in releases_us], np.int64)
     own = np.array([100, 200, 300, 9_000], np.int64)
-    counts = outside_count(facts, task, release, own, since=0)
+    counts = outside_count(facts, task, 500, release, own, since=0)
     assert [bool(count.excess) for count in counts] == [is_told, False]
 
 

@@ -100,14 +100,14 @@ def test_facts_of_the_drivers_come_with_every_project_and_its_own_come_first(
     assert all(load.task is None for load in alone.interrupts)
     (tmp_path / "timing.toml").write_text(
         'schema_version = 1\n[[mode]]\nname = "link up"\nreason = "mine"\n'
-        '[[outside]]\nsymbol = "search"\ntask = "exchange"\nat_most_cycles = 9\n'
+        '[[outside]]\nsymbol = "search"\ntask = "exchange"\n'
         'period_us = 2_000\nreason = "seconds"\n'
     )
     both = read_facts(read_robot(tmp_path))
     assert [mode.reason for mode in both.modes] == ["mine"]
     assert both.name == str(tmp_path / "timing.toml")
     assert both.outside == '[[avoided]]\nsymbol = "search"\nreason = "seconds"\n'
-    assert [load.at_most_cycles for load in both.outside_of("Exchange")] == [9]
+    assert [load.period_us for load in both.outside_of("Exchange")] == [2_000]
     assert len(both.shared) == 1
 
 

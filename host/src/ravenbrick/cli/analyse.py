@@ -215,7 +215,7 @@ def _check_facts(
     for what, run in runs.items():
         if run is not None:
             counted = fact_counts(robot, facts, image, analysis.counted, run, analysis.requests)
-            counted += outside_counts(robot, facts, run, transfer_cycles)
+            counted += outside_counts(robot, facts, analysis, run, transfer_cycles)
             counts.append(counted)
             check_facts_of_run(counted, what)
             if what in faultless:

@@ -57,6 +57,8 @@ class Bound:
     task that stays in a loop for ever without a wait, at the line `endless`. `stack_lost` and
     `stack_gap` are those of `StackBound`. `remaining` are, for each beginning of a name that was
     asked for, the most cycles from a call of such a function to the end, None where none is called.
+    `outside_cycles` are the most between two waits of a task that are none of its jobs, if it is
+    said to execute such code.
     """
 
     symbol: str
@@ -73,6 +75,7 @@ class Bound:
     stack_lost: str | None = None
     stack_gap: str | None = None
     remaining: tuple[int | None, ...] = ()
+    outside_cycles: int = 0
 
     def longest_critical_section(self, above_urgency: int) -> int:
         """Longest critical section above an urgency, in cycles."""
@@ -123,6 +126,7 @@ class Bounds:
     effort: dict[str, int] = field(default_factory=dict)
     stacks: tuple[StackBound, ...] = ()
     runs: tuple[dict[str, Any], ...] = ()
+    outside: tuple[int, ...] = ()
 
 
 def _question(loop: dict[str, Any], facts: str) -> str:
@@ -240,12 +244,21 @@ def answer_of(
     return dict(json.loads(text))
 
 
+def _tasks(questions: Sequence[JobQuestion]) -> list[dict[str, Any]]:
+    return [
+        {"body": body, "waits": list(waits), "otherwise": list(otherwise)}
+        for body, waits, otherwise in questions
+    ]
+
+
 def execution_times(
     elf: bytes,
     *,
     functions: Sequence[str] = (),
     jobs: Sequence[JobQuestion] = (),
     background: Sequence[str] = (),
+    outside: Sequence[JobQuestion] = (),
+    outside_places: Sequence[dict[str, Any]] = (),
     stacks: Sequence[str] = (),
     annotations: Sequence[tuple[str, str]] = (),
     root: str | None = None,
@@ -263,7 +276,8 @@ def execution_times(
     """Bounds of functions, and of jobs as (body, functions in which the task waits, those in which
     it waits if its body calls none of these). `background` are functions that run beside the tasks
     and need not end: only their stack and their effects on others are bounded. Of `stacks` only the
-    stack is, for which no loop needs a bound.
+    stack is, for which no loop needs a bound. `outside` are tasks, as jobs are, of which the most
+    cycles between two waits that are no job are wanted; `outside_places` say where such code lies.
 
     `annotations` are names and TOML texts. With `root`, the arguments of all calls of `callees` in
     what it calls. With `graphs`, bounds bring the graphs of their longest paths, with `paths` the
@@ -281,10 +295,9 @@ def execution_times(
     """
     request = {
         "functions": list(functions),
-        "jobs": [
-            {"body": body, "waits": list(waits), "otherwise": list(otherwise)}
-            for body, waits, otherwise in jobs
-        ],
+        "jobs": _tasks(jobs),
+        "outside": _tasks(outside),
+        "outside_places": list(outside_places),
         "background": list(background),
         "stacks": list(stacks),
         "annotations": [{"name": name, "text": text} for name, text in annotations],
@@ -303,7 +316,8 @@ def execution_times(
         }
     answer = answer_of(elf, request, name, timing, wait_states)
     facts = annotations[0][0] if annotations else "an annotation file"
-    _check_questions([*answer["functions"], *answer["jobs"], *answer["background"]], facts)
+    kinds = ("functions", "jobs", "background", "outside")
+    _check_questions([found for kind in kinds for found in answer[kind]], facts)
     return Bounds(
         answer["timing"],
         answer["return_cycles"],
@@ -316,6 +330,7 @@ def execution_times(
         answer["effort"],
         tuple(_stack(found) for found in answer["stacks"]),
         tuple(answer["runs"]),
+        tuple(_bound(found).cycles for found in answer["outside"]),
     )
 
 

@@ -54,6 +54,33 @@ fn a_loop_in_a_protected_action_counts_as_often_as_it_runs_wherever_the_action_b
 }
 
 #[test]
+fn a_call_with_a_bound_in_its_context_only_counts_in_an_action_of_the_background() {
+    in_each_state(|state, elf| {
+        let request = Request {
+            annotations: kernel(),
+            functions: vec!["adds_up".to_owned()],
+            background: vec!["adds_up_and_goes_on".to_owned()],
+            ..Request::default()
+        };
+        let answers = request.answer(elf, &MemoryMap::without_wait_states());
+        let answers = answers.unwrap();
+        assert_eq!(answers.functions[0].missing.len(), 1, "{state}");
+        let found = &answers.background[0];
+        assert_eq!(found.error, None, "{state}");
+        let longest = found.critical_sections.iter().map(|(_, cycles)| *cycles);
+        let seen = Machine::new(elf)
+            .call("adds_up_in_an_action", [0; 4])
+            .cycles;
+        let range = seen - 100..=seen + 100;
+        let longest = longest.max().expect("a section");
+        assert!(
+            range.contains(&longest),
+            "{state}: {longest}, expected {range:?}"
+        );
+    });
+}
+
+#[test]
 fn a_stack_is_bounded_also_of_what_has_no_bound_in_time() {
     in_each_state(|state, elf| {
         let asked = vec!["elaborates_and_goes_on".to_owned()];

@@ -3,6 +3,7 @@
 //! The tests of the crate's interface, as one program: it is compiled and linked once.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)]
 
+mod between_waits;
 mod calls;
 mod chip;
 mod controller;

@@ -52,7 +52,7 @@ OWN_TABLES = frozenset(
         "job_kind",
     }
 )
-OUTSIDE_COSTS = ("task", "at_most_cycles", "period_us")
+OUTSIDE_COSTS = ("task", "period_us")
 SOURCE_NUMBERS = {name: number for number, name in SOURCES.items()}
 
 
@@ -153,11 +153,10 @@ class RequestedInterrupts:
 
 @dataclass(frozen=True)
 class OutsideLoad:
-    """In jobs without a deadline, `task` executes at most `at_most_cycles` between two waits, and
-    is released no sooner than `period_us` after the release before."""
+    """`task` has jobs without a deadline, after which it is released no sooner than `period_us`
+    after the release before."""
 
     task: str
-    at_most_cycles: int
     period_us: int
     reason: str
     file: str = TIMING_FILE
@@ -336,8 +335,7 @@ def place_of(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def _outside(row: dict[str, Any], path: Path) -> OutsideLoad:
-    costs = (row["at_most_cycles"], row["period_us"])
-    return OutsideLoad(row["task"], *costs, row["reason"], str(path))
+    return OutsideLoad(row["task"], row["period_us"], row["reason"], str(path))
 
 
 def _kind(row: dict[str, Any], path: Path) -> KindOfJob:

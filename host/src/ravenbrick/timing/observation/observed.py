@@ -280,16 +280,21 @@ def check_job_kinds(
 
 
 def outside_counts(
-    robot: Robot, facts: Facts, recording: Recording, transfer_cycles: int = 1
+    robot: Robot,
+    facts: Facts,
+    analysis: Analysis,
+    recording: Recording,
+    transfer_cycles: int = 1,
 ) -> list[FactCount]:
     """What jobs without a deadline took, beside what is said of them."""
     since, counts = cyclic_begin_cycles(robot, recording), list[FactCount]()
+    bounds = {timing.task.name: timing.job.outside_cycles for timing in analysis.tasks}
     for found in task_dynamics(robot, recording):
         task = robot.task(found.name)
         if task is not None and facts.outside_of(task.name):
             own = _net_execution_times(recording, found, transfer_cycles)
             release = _completed(recording, found.name)[1]
-            counts += outside_count(facts, task, release, own, since)
+            counts += outside_count(facts, task, bounds[task.name], release, own, since)
     return counts
 
 

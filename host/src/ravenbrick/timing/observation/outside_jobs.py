@@ -26,11 +26,12 @@ def _at(cycles: int) -> str:
 
 
 def outside_count(
-    facts: Facts, task: Task, release: Cycles, own: Cycles, since: int
+    facts: Facts, task: Task, bound_cycles: int, release: Cycles, own: Cycles, since: int
 ) -> list[FactCount]:
-    """Longest execution of a job without a deadline, and shortest time to the next release, of a
-    task that has such jobs; `own` are the net execution times of its completed jobs. The last one
-    is left out if it comes a period after one: its next release would tell which it is."""
+    """Longest execution of a job without a deadline beside its bound, and shortest time to the next
+    release, of a task that has such jobs; `own` are the net execution times of its completed jobs.
+    The last one is left out if it comes a period after one: its next release would tell which it
+    is."""
     chosen = ~have_deadline(task, release, {task.name}) & (release >= since)
     if release.size > 1 and have_deadline(task, release[-2:], {task.name})[0]:
         chosen[-1] = False
@@ -38,10 +39,10 @@ def outside_count(
     for load in facts.outside_of(task.name):
         text = f'{load.file}: [[outside]] task = "{task.name}"'
         longest, excess = int(own[chosen].max(initial=0)), ""
-        if longest > load.at_most_cycles:
+        if longest > bound_cycles:
             where = _at(int(release[chosen][own[chosen].argmax()]))
-            excess = f"declared {load.at_most_cycles}, seen {longest} cycles in the job {where}"
-        counts.append(FactCount(text, "at_most_cycles", load.at_most_cycles, longest, excess))
+            excess = f"at most {bound_cycles} cycles, seen {longest} in the job {where}"
+        counts.append(FactCount(text, "cycles", bound_cycles, longest, excess))
         period = MASTER_CLOCK.cycles_of_us(load.period_us)
         gaps, excess = np.diff(release)[chosen[:-1]], ""
         least = int(gaps.min()) if gaps.size else period

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -100,19 +101,28 @@ class JobsOfTasks:
     @cached_property
     def _whole(self) -> dict[str, Bound]:
         """Bodies of the tasks by the task's name, in jobs and outside of them."""
+        pairs = zip(self.tasks, self.questions, strict=True)
+        asked = {task.name: own for task, own in pairs if self.facts.outside_of(task.name)}
         found = execution_times(
             self.image.content,
             background=self.bodies,
+            outside=list(asked.values()),
+            outside_places=tomllib.loads(self.facts.outside)["avoided"],
             annotations=self.annotations,
             timing=self.timing,
-        ).background
-        return {task.name: body for task, body in zip(self.tasks, found, strict=True)}
+        )
+        outside = dict(zip(asked, found.outside, strict=True))
+        return {
+            task.name: replace(body, outside_cycles=outside.get(task.name, 0))
+            for task, body in zip(self.tasks, found.background, strict=True)
+        }
 
     def with_outside(self, jobs: Jobs) -> Jobs:
         """Jobs with what their tasks do to others, and their stacks, also outside of jobs."""
         if not self.facts.outside_loads:
             return jobs
-        names = ("stack_bytes", "stack_lost", "stack_gap", "critical_sections", "reached")
+        stack = ("stack_bytes", "stack_lost", "stack_gap")
+        names = (*stack, "critical_sections", "reached", "outside_cycles")
 
         def together(task: Task, job: Bound) -> Bound:
             whole = self._whole[task.name]

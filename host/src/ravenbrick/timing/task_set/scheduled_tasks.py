@@ -204,17 +204,17 @@ def _second_releases(
     ]
 
 
-def _outside_code(tasks: Sequence[Task], facts: Facts) -> dict[str, ScheduledTask]:
+def _outside_code(jobs: Sequence[tuple[Task, Bound]], facts: Facts) -> dict[str, ScheduledTask]:
     """Tasks that stand for code without a deadline, by the name of the task that executes it and
     that does not meet it: its jobs are released after that code."""
     found = {}
-    for task in tasks:
+    for task, job in jobs:
         loads = facts.outside_of(task.name)
-        if loads:
+        if loads and job.outside_cycles:
             found[task.name] = ScheduledTask(
                 name=f"{task.name}, outside of jobs",
                 period=exact_cycles(min(load.period_us for load in loads)),
-                wcet=max(load.at_most_cycles for load in loads),
+                wcet=job.outside_cycles,
                 priority=task.priority,
             )
     return found
@@ -291,7 +291,7 @@ def scheduled_bounds(
     interrupts += expiries(blocking.events, alarm, longest_blocking(level))
     interrupts += _alarms_inside(timings, alarm, level)
     interrupts += transfers
-    outside = _outside_code([task for task, _ in jobs], facts)
+    outside = _outside_code(jobs, facts)
     tasks = [changed(task) for task in _scheduled_tasks(timings, facts)]
     more = [*_second_releases(timings, tasks), *_never_waiting(background)]
     task_set = TaskSet((*map(changed, (*interrupts, *outside.values())), *tasks, *more))
@@ -304,8 +304,13 @@ def scheduled_bounds(
         others = _seen_by(timing, timings, tasks, bounds, changed)
         met = [*phased_in_jobs(timing, timings, others or tasks, facts), *more]
         met = [_paying(task, dispatch) if task.name != timing.task.name else task for task in met]
-        beside = (task for name, task in outside.items() if name != timing.task.name)
-        seen = TaskSet((*map(changed, (*(special or interrupts), *beside)), *met))
+        beside = {
+            name: _paying(changed(task), dispatch)
+            for name, task in outside.items()
+            if name != timing.task.name
+        }
+        met = [task for task in met if not _stands_for(beside.get(task.name), task, timing)]
+        seen = TaskSet((*map(changed, special or interrupts), *beside.values(), *met))
         sets[timing.task.name] = seen
         if special is not None or others is not None or dispatch or outside:
             own = seen.task(timing.task.name)
@@ -324,6 +329,15 @@ def scheduled_bounds(
 def _paying(task: ScheduledTask, dispatch: int) -> ScheduledTask:
     """A task whose release makes a less urgent one give the processor away."""
     return replace(task, wcet=task.wcet + dispatch)
+
+
+def _stands_for(outside: ScheduledTask | None, task: ScheduledTask, timing: TaskTiming) -> bool:
+    """Is what a task executes outside of its jobs no shorter than these for one that is no more
+    urgent? A release is of one or the other, and the next one no sooner than the period of that
+    code, so it alone delays no less than both."""
+    if outside is None or task.priority < timing.task.priority:
+        return False
+    return outside.wcet >= task.wcet and outside.period <= task.period
 
 
 def with_common_release(

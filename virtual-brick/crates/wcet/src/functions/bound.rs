@@ -165,7 +165,7 @@ pub fn bound_summary(
         elapsed,
     } = execute(program, entry, summary, state);
     let annotated = summary.limits_within(&[entry]);
-    let (calls, never_returning) = callee_bounds(program, summary, &records)?;
+    let (calls, never_returning) = callee_bounds(program, summary, &records, &|_| true)?;
     let (mut costs, mut charged) = (Vec::new(), Vec::new());
     for (index, block) in flow.blocks.iter().enumerate() {
         let call = longest_call(&calls[index], &records[index], program.paths_recorded);
@@ -260,10 +260,12 @@ fn origin(finding: &LoopFinding, annotated: Option<u64>) -> BoundOrigin {
 /// return with the arguments they have.
 type CalleeBounds = (Vec<Vec<Rc<FunctionBound>>>, BTreeSet<usize>);
 
-fn callee_bounds(
+/// Those of the functions for which `wanted` holds.
+pub fn callee_bounds(
     program: &Program<'_>,
     summary: &FunctionSummary,
     records: &[BlockRecord],
+    wanted: &dyn Fn(&Entry) -> bool,
 ) -> Result<CalleeBounds, Error> {
     let (mut all, mut never_returning) = (Vec::new(), BTreeSet::new());
     for (index, block) in summary.flow.blocks.iter().enumerate() {
@@ -273,7 +275,7 @@ fn callee_bounds(
         for (callee, cached_bound) in block
             .calls
             .iter()
-            .filter(|callee| reached.contains(callee))
+            .filter(|callee| reached.contains(callee) && wanted(callee))
             .flat_map(|c| arguments.iter().map(move |a| (c, a)))
         {
             match program.bound(*callee, cached_bound) {

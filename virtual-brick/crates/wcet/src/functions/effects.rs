@@ -6,6 +6,7 @@
 
 use crate::elapsed::UNBOUNDED;
 use crate::error::Error;
+use crate::functions::bound::inner_recursive_call;
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats};
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::function_summary::FunctionSummary;
@@ -193,10 +194,17 @@ impl Search<'_, '_> {
                     let inner = self.function(callee)?;
                     merge(&mut found.sections, &inner.sections);
                     found.functions.extend(&inner.functions);
-                    let in_context = record.callee_elapsed.as_ref();
-                    let in_context = in_context.is_some_and(|own| own.cycles != UNBOUNDED);
-                    let needed = matches!(error, Error::MissingBounds(_)) && !in_context;
-                    calls.unbounded = calls.unbounded.or(needed.then_some(error));
+                    let in_context = record.callee_elapsed.as_ref().map(|own| own.cycles);
+                    match in_context.filter(|cycles| *cycles != UNBOUNDED) {
+                        Some(cycles) => calls.bounded.push(Rc::new(FunctionBound {
+                            cycles,
+                            ..inner_recursive_call(callee)
+                        })),
+                        None if matches!(error, Error::MissingBounds(_)) => {
+                            calls.unbounded = calls.unbounded.or(Some(error));
+                        }
+                        None => {}
+                    }
                     (inner.stack_bytes, inner.stack_lost)
                 }
                 Err(error) => return Err(error),

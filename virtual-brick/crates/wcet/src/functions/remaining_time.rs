@@ -6,7 +6,7 @@
 use crate::error::Error;
 use crate::functions::function_bound::{FunctionBound, RemainingTimes};
 use crate::functions::program::Program;
-use crate::paths::critical_section::{longest_from, merge};
+use crate::paths::critical_section::{longest_from, merge, missing};
 use crate::paths::longest_path::PathProblem;
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -51,7 +51,8 @@ pub fn remaining_times(
             continue;
         }
         let call = charged[block];
-        let behind = longest_from(function, block, |_| true)?.saturating_sub(call);
+        let behind = longest_from(function, block, |_| true).map_err(missing)?;
+        let behind = behind.unwrap_or(0).saturating_sub(call);
         let each = inside.into_iter();
         let ends = each.map(|(group, cycles)| (group, behind.saturating_add(cycles.min(call))));
         merge(&mut found, &ends.collect());

@@ -24,11 +24,11 @@ pub fn critical_sections(
     let mut sections = CriticalSections::new();
     for level in levels {
         let inside = |block: usize| records[block].urgency >= Some(level);
-        let mut longest = 0;
+        let mut longest = None;
         for start in entries(function, inside) {
-            longest = longest.max(longest_from(function, start, inside)?);
+            longest = longest.max(longest_from(function, start, inside).map_err(missing)?);
         }
-        sections.insert(level, longest);
+        sections.insert(level, longest.unwrap_or(0));
     }
     Ok(sections)
 }
@@ -48,19 +48,25 @@ fn entries(function: &PathProblem<'_>, inside: impl Fn(usize) -> bool) -> Vec<us
     (0..function.flow.blocks.len()).filter(is_entry).collect()
 }
 
-/// Longest path within a part of a function that begins at `start`, perhaps amid a loop.
+/// An error that does not name the loops.
+pub fn missing(_headers: BTreeSet<usize>) -> Error {
+    Error::Input("a loop in a part of a function has no bound".into())
+}
+
+/// Longest path within a part of a function that begins at `start`, perhaps amid a loop; none if no
+/// path leads out of the part. An error are the first blocks of loops without a bound, in the
+/// numbers of the function.
 pub fn longest_from(
     function: &PathProblem<'_>,
     start: usize,
     inside: impl Fn(usize) -> bool,
-) -> Result<u64, Error> {
+) -> Result<Option<u64>, BTreeSet<usize>> {
     let part = Subgraph::new(function.flow, start, inside, |_, _| true);
-    let missing = || Error::Input("a loop in a part of a function has no bound".into());
     let ReducibleGraph {
         flow,
         forest,
         origin,
-    } = reducible(part.flow).map_err(|_| missing())?;
+    } = reducible(part.flow).map_err(|_| BTreeSet::new())?;
     let origin: Vec<usize> = origin.iter().map(|block| part.origin[*block]).collect();
     let cycles: Vec<_> = origin.iter().map(|b| function.cycles[*b].clone()).collect();
     let bound = |found: &Loop| header_executions(function, found, &origin);
@@ -72,9 +78,14 @@ pub fn longest_from(
         repeats: &vec![None; forest.loops.len()],
     };
     match longest_path(&problem) {
-        Ok(solution) => Ok(solution.cycles),
-        Err(PathError::NoReturn) => Ok(0),
-        Err(PathError::Unbounded(_)) => Err(missing()),
+        Ok(solution) => Ok(Some(solution.cycles)),
+        Err(PathError::NoReturn) => Ok(None),
+        Err(PathError::Unbounded(loops)) => {
+            let headers = loops
+                .iter()
+                .map(|index| origin[forest.loops[*index].header]);
+            Err(headers.collect())
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Questions that callers ask, and the form of the answers.
 
+pub mod between_waits;
 pub mod flow_points;
 pub mod known_memory;
 pub mod observed_path;

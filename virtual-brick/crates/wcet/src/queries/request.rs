@@ -7,9 +7,10 @@ use crate::functions::effects::{collect_functions, effects, stack_of, Effects, E
 use crate::functions::endless_loop::endless_loop;
 use crate::functions::function_bound::FunctionBound;
 use crate::functions::program::Program;
-use crate::inputs::annotations::Annotations;
+use crate::inputs::annotations::{Annotations, Fact};
 use crate::inputs::image::{Entry, Image};
 use crate::inputs::memory_map::MemoryMap;
+use crate::queries::between_waits::outside_of_jobs;
 use crate::queries::flow_points::{counted_facts, CountedFact};
 use crate::queries::known_memory::{KnownMemory, LineCount};
 use crate::queries::observed_path::observed_path;
@@ -46,6 +47,10 @@ pub struct Request {
     pub functions: Vec<String>,
     /// Tasks to bound.
     pub jobs: Vec<Task>,
+    /// Tasks of which the longest time between two waits is wanted that is none of their jobs.
+    pub outside: Vec<Task>,
+    /// Where code lies that is outside of these jobs.
+    pub outside_places: Vec<Fact>,
     /// Functions that run in the background and need not end: only their effects on others.
     pub background: Vec<String>,
     /// Functions of which only the stack is wanted, whatever time they take.
@@ -178,6 +183,8 @@ pub struct Response {
     pub functions: Vec<Answer>,
     /// Bounds of jobs.
     pub jobs: Vec<Answer>,
+    /// Cycles between two waits outside of jobs; 0 if nothing is executed there.
+    pub outside: Vec<Answer>,
     /// Effects of background functions, without cycles.
     pub background: Vec<Answer>,
     /// Stacks, without cycles.
@@ -267,6 +274,18 @@ impl Answer {
             Ok((effects, endless)) => Self {
                 endless: endless.as_ref().map(source_line),
                 ..Self::of_effects(program, symbol, effects)
+            },
+        }
+    }
+
+    /// What a task executes outside of its jobs.
+    fn outside(program: &Program<'_>, task: &Task, places: &[Fact]) -> Self {
+        match outside_of_jobs(program, task, places) {
+            Err(error) => Self::refused(program, &task.body, &error),
+            Ok(cycles) => Self {
+                symbol: task.body.clone(),
+                cycles: cycles.unwrap_or(0),
+                ..Self::default()
             },
         }
     }
@@ -406,6 +425,10 @@ impl Request {
                 },
             });
         }
+        let outside = self.outside.iter();
+        response.outside = outside
+            .map(|task| Answer::outside(&program, task, &self.outside_places))
+            .collect();
         let background = self.background.iter();
         response.background = background
             .map(|symbol| Answer::background(&program, symbol))

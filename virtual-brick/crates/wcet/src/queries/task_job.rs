@@ -156,7 +156,7 @@ fn body_without_waits(
 }
 
 /// Blocks that call some of these functions, with those they call.
-fn waits_of(
+pub fn waits_of(
     program: &Program<'_>,
     summary: &FunctionSummary,
     names: &[String],

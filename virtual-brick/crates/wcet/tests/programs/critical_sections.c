@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: Apache-2.0
  *
  * Protected actions around loops: one with a place that is never reached and leads into it, one
- * that a loop leaves and enters again, and one without a bound.
+ * that a loop leaves and enters again, one around a call, and one without a bound.
  */
 
 #define FUNCTION __attribute__((noinline))
@@ -52,6 +52,33 @@ FUNCTION int leaves_in_the_loop(void)
     }
     leave_action(&object);
     return sum;
+}
+
+/* How often the loop is repeated is known from the caller's frame only. */
+FUNCTION int adds_up(const int *times)
+{
+    int sum = 0;
+    for (int count = 0; count < *times; count++)
+        sum += weights[count & 7];
+    return sum;
+}
+
+FUNCTION void adds_up_in_an_action(void)
+{
+    int times = 50;
+    enter_action(&object);
+    weights[0] = adds_up(&times);
+    leave_action(&object);
+}
+
+void adds_up_and_goes_on(void)
+{
+    int times = 50;
+    enter_action(&object);
+    weights[0] = adds_up(&times);
+    leave_action(&object);
+    for (;;)
+        weights[1] = 1;
 }
 
 /* Called first: what it takes of the stack counts, however long it takes. */
