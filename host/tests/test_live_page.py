@@ -18,7 +18,7 @@ class Dropped:
 
 def test_an_interrupt_while_an_object_is_dropped_ends_the_page() -> None:
     """Python prints what is raised in the callback of a weak reference, and goes on."""
-    steps = []
+    steps: list[object] = []
 
     def step() -> None:
         steps.append(Dropped())

@@ -5,9 +5,9 @@
 //! single steps. A block may also be compiled when it has itself run for twice as long as that
 //! takes, and as the compilation of code took that was invalidated before it had saved as much.
 //!
-//! Amounts are host time in units of about a quarter of a nanosecond, for blocks, and a sixteenth of
-//! a nanosecond, for JIT code. They steer the speed only: a run is the same whatever is decoded or
-//! compiled.
+//! Amounts are host time in units of about a quarter of a nanosecond, for blocks, and a sixteenth
+//! of a nanosecond, for JIT code. They steer the speed only: a run is the same whatever is decoded
+//! or compiled.
 
 /// A fortieth of a step of the reference engine.
 const STEP: i64 = 1;
@@ -58,7 +58,7 @@ impl Budget {
         }
     }
 
-    /// Called after a run of blocks. The steps that the reference engine shall make before the next.
+    /// Called after a run of blocks: the steps that the reference engine makes before the next.
     #[inline(always)]
     pub fn steps_of_reference(&mut self) -> u32 {
         self.decoding += STEP;

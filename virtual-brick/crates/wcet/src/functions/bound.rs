@@ -10,7 +10,7 @@ use crate::error::{Error, MissingBound};
 use crate::functions::effects::{effects, Endless};
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats, Executed};
 use crate::functions::function_bound::{
-    BlockBound, BoundOrigin, FunctionBound, LoopBound, RemainingTimes,
+    inner_recursive_call, BlockBound, BoundOrigin, FunctionBound, LoopBound,
 };
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::{Arguments, BoundResult, Program};
@@ -19,7 +19,7 @@ use crate::graph::control_flow::{Block, Target};
 use crate::inputs::image::Entry;
 use crate::loops::abstract_execution::LoopFinding;
 use crate::paths::block_cost::{edge_costs, edge_cycles};
-use crate::paths::critical_section::{critical_sections, merge, CriticalSections};
+use crate::paths::critical_section::{critical_sections, merge};
 use crate::paths::longest_path::{longest_path, LongestPath, PathError, PathProblem};
 use crate::values::block_interpreter::{any_arguments, as_arguments};
 use crate::values::records::BlockRecord;
@@ -101,23 +101,6 @@ impl Program<'_> {
     /// Bound of a named function, called from anywhere with any arguments.
     pub fn bound_of(&self, name: &str) -> Result<Rc<FunctionBound>, Error> {
         self.bound(self.function(name)?, &any_arguments())
-    }
-}
-
-/// The inner call of a recursive function: its time and stack are the outer one's.
-pub fn inner_recursive_call(entry: Entry) -> FunctionBound {
-    FunctionBound {
-        entry,
-        cycles: 0,
-        path_cycles: 0,
-        stack_bytes: Some(0),
-        stack_lost: None,
-        blocks: Vec::new(),
-        loops: Vec::new(),
-        sections: CriticalSections::new(),
-        remaining: RemainingTimes::new(),
-        path: None,
-        functions: BTreeSet::new(),
     }
 }
 

@@ -6,9 +6,8 @@
 
 use crate::elapsed::UNBOUNDED;
 use crate::error::Error;
-use crate::functions::bound::inner_recursive_call;
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats};
-use crate::functions::function_bound::FunctionBound;
+use crate::functions::function_bound::{inner_recursive_call, FunctionBound};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
 use crate::inputs::image::Entry;

@@ -385,18 +385,24 @@ fn path_of_run(program: &Program<'_>, steps: &[(u32, u64)]) -> PathReport {
 }
 
 impl Request {
-    /// Answers all questions. An error is one of the image or of the annotations as a whole.
-    pub fn answer(&self, elf: &[u8], map: &MemoryMap) -> Result<Response, Error> {
-        let image = Image::read(elf)?;
+    /// The facts of all files, and those of the project's own that match nothing.
+    fn annotations_for(&self, image: &Image) -> Result<(Annotations, Vec<UnmatchedFact>), Error> {
         let mut annotations = Annotations::default();
         let mut unmatched = Vec::new();
         for source in &self.annotations {
             let facts = Annotations::parse(&source.text, &source.name)?;
             if source.own {
-                unmatched.extend(unmatched_facts(&facts, &image));
+                unmatched.extend(unmatched_facts(&facts, image));
             }
             annotations.extend(facts);
         }
+        Ok((annotations, unmatched))
+    }
+
+    /// Answers all questions. An error is one of the image or of the annotations as a whole.
+    pub fn answer(&self, elf: &[u8], map: &MemoryMap) -> Result<Response, Error> {
+        let image = Image::read(elf)?;
+        let (annotations, unmatched) = self.annotations_for(&image)?;
         let mut program = Program::new(&image, map, &annotations)?;
         program.paths_recorded = self.paths;
         program.requesting.clone_from(&self.requesting);

@@ -42,7 +42,7 @@ FUNCTION int sets_up(void)
     return sum + works(10);
 }
 
-/* Between two questions: the end of one and the begin of the next. */
+/* Between two questions: the end of one and the beginning of the next. */
 FUNCTION int sets_up_seen(void)
 {
     places[2] = works(30);
@@ -81,7 +81,7 @@ void set_up_long(void)
     }
 }
 
-/* A search that a job leads to: the job's first part and the begin of a question. */
+/* A search that a job leads to: the job's first part and the beginning of a question. */
 FUNCTION int searches(void)
 {
     return asks(3);

@@ -40,8 +40,8 @@ impl TimerBlock {
         lines
     }
 
-    /// What a read gives that changes nothing, before a channel wants to be served; of the registers
-    /// that programs poll. And whether it gives that until then.
+    /// What a read of the registers that programs poll gives, if it changes nothing, before a
+    /// channel wants to be served; and whether it gives that until then.
     pub(crate) fn polled(&self, offset: u32, now: Cycles) -> Option<(u32, bool)> {
         let channel = self.channels.get((offset / CHANNEL_BYTES) as usize)?;
         channel.polled(offset % CHANNEL_BYTES, now)
