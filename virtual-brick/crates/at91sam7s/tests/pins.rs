@@ -3,6 +3,7 @@
 //! Parallel input/output controller against a board that drives pins.
 use crate::common::{cold_chip, read, run_to, running_chip, write, Seen, TestChip, AIC, PIOA, PMC};
 use arm7tdmi::bus::Bus;
+use arm7tdmi::BlockBus;
 use at91sam7s::board::{Board, PinLevels};
 
 registers! {
@@ -199,4 +200,37 @@ fn without_its_clock_the_controller_does_not_see_pins() {
     write(&mut chip, PMC + 0x10, 1 << 2);
     assert_eq!(read(&mut chip, PDSR) & 1 << 20, 0);
     assert_eq!(read(&mut chip, ISR), 0, "starting the clock is not an edge");
+}
+
+#[test]
+fn levels_are_written_amid_a_block_only_where_nothing_follows_the_pin() {
+    // Pin, pins that the board follows, pins with an interrupt, and whether it is written.
+    let cases = [
+        (5, 0, 0, true),
+        (5, 1 << 6, 1 << 6, true),
+        (5, 1 << 5, 0, false),
+        (5, 0, 1 << 5, false),
+        (0, 0, 0, false),  // TIOA0
+        (8, 0, 0, false),  // CTS0
+        (19, 0, 0, false), // FIQ
+    ];
+    for (pin, followed, interrupts, written) in cases {
+        let mut chip = running_chip();
+        write(&mut chip, CODR, 1 << pin);
+        write(&mut chip, OER, 1 << pin);
+        write(&mut chip, IER, interrupts);
+        read(&mut chip, ISR);
+        chip.board_mut().log.clear();
+        chip.board_mut().followed = Some(followed);
+        let before = chip.now();
+        assert_eq!(chip.register_write(SODR, 1 << pin, 7), written, "{pin}");
+        let (driven, level) = (1 << pin, 1 << pin);
+        let at = before + 7 + u64::from(chip.register_cycles());
+        let seen = written.then_some((at, Seen::Pins { driven, level }));
+        assert_eq!(chip.board().log, Vec::from_iter(seen));
+        assert_eq!(chip.now(), before);
+        let level = u32::from(written) << pin;
+        assert_eq!(read(&mut chip, PDSR) & 1 << pin, level, "{pin}");
+        assert_eq!(read(&mut chip, ISR) & 1 << pin, level, "{pin}");
+    }
 }

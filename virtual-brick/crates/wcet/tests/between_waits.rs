@@ -4,7 +4,7 @@
 //! hardly longer, though the whole of it has no bound.
 
 use crate::support::machine::Machine;
-use crate::support::toolchain::{build, program};
+use crate::support::toolchain;
 use wcet::{MemoryMap, Request, Response};
 
 /// Frames that the whole has, or the part alone.
@@ -23,13 +23,7 @@ fn answers(elf: &[u8], bodies: &[&str]) -> Response {
 }
 
 fn in_each_state(check: impl Fn(&str, &[u8])) {
-    for state in ["-marm", "-mthumb"] {
-        let sources = [program("between_waits.c")];
-        let Some(elf) = build("between_waits", &sources, &[state, "-O1"]) else {
-            return;
-        };
-        check(state, &elf);
-    }
+    toolchain::in_each_state("between_waits", "-O1", check);
 }
 
 #[test]

@@ -3,11 +3,10 @@
 //! Longest protected actions: as long as a run, and no longer than the function around them.
 
 use crate::support::machine::Machine;
-use crate::support::toolchain::{build, program};
+use crate::support::toolchain;
 use wcet::{AnnotationFile, MemoryMap, Request};
 
 const KERNEL: &str = "[kernel]\nlocks = [\"enter_action\"]\nunlocks = [\"leave_action\"]\n";
-const STATES: [&str; 2] = ["-marm", "-mthumb"];
 
 fn kernel() -> Vec<AnnotationFile> {
     vec![AnnotationFile {
@@ -18,13 +17,7 @@ fn kernel() -> Vec<AnnotationFile> {
 }
 
 fn in_each_state(check: impl Fn(&str, &[u8])) {
-    for state in STATES {
-        let sources = [program("critical_sections.c")];
-        let Some(elf) = build("critical_sections", &sources, &[state, "-O0"]) else {
-            return;
-        };
-        check(state, &elf);
-    }
+    toolchain::in_each_state("critical_sections", "-O0", check);
 }
 
 #[test]

@@ -17,7 +17,10 @@ pub(crate) const PIOA: u8 = 2;
 pub(crate) const INTERRUPT_PINS: [(u32, u8); 3] = [(19, 0), (20, 30), (30, 31)];
 
 /// These pins, one bit each.
-pub(crate) const EXTERNAL_INTERRUPTS: u32 = 1 << 19 | 1 << 20 | 1 << 30;
+pub(crate) const EXTERNAL_INTERRUPTS: u32 = {
+    let [a, b, c] = INTERRUPT_PINS;
+    1 << a.0 | 1 << b.0 | 1 << c.0
+};
 
 /// The port and what its pins were last seen to carry.
 #[derive(Clone, Debug)]

@@ -53,6 +53,8 @@ pub struct ScriptedBoard {
     /// Pin levels from given times on.
     pub pins: VecDeque<(Cycles, PinLevels)>,
     pub levels: PinLevels,
+    /// Pins of which the board follows the outputs; of all if it says nothing.
+    pub followed: Option<u32>,
     /// Characters that reach the chip at given times.
     pub characters: VecDeque<(Cycles, SerialPort, Character)>,
     /// What the USB host does at given times.
@@ -74,6 +76,10 @@ impl Board for ScriptedBoard {
     fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
         let PinOutputs { driven, level, .. } = outputs;
         self.log.push((now, Seen::Pins { driven, level }));
+    }
+
+    fn followed_pins(&self) -> u32 {
+        self.followed.unwrap_or(u32::MAX)
     }
 
     fn pin_levels(&self) -> PinLevels {

@@ -30,6 +30,9 @@ const DBGU: u32 = 0xFFFF_F200;
 /// System, PIOA, ADC, SPI, TWI, TC0 to TC2.
 const SOURCES: u32 = 0x7236;
 
+/// Pins that neither the board nor another peripheral follows.
+const UNFOLLOWED: u32 = 0x0040_7678;
+
 /// A register: its address, the bits that are always written and those that may be; it is only
 /// read if there are none.
 type Register = (u32, u32, u32);
@@ -189,10 +192,25 @@ fn wait(program: &mut Program, numbers: &mut Numbers) {
     program.branch(EQ, again);
 }
 
+/// Levels of outputs that nothing else follows, and what is read of them.
+fn write_pins(program: &mut Program, numbers: &mut Numbers) {
+    program.poke(PIO + 0x10, UNFOLLOWED); // OER
+    program.poke(PIO + 0x40, numbers.word() & numbers.word() & UNFOLLOWED); // IER
+    program.load(5, PIO);
+    for _ in 0..4 {
+        program.load(6, numbers.word() & UNFOLLOWED);
+        program.str(6, 5, 0x30 + 4 * numbers.below(2)); // SODR, CODR
+        program.ldr(numbers.below(5), 5, 0x3C); // PDSR
+    }
+}
+
 /// Accesses of registers, alone or in a loop.
 pub fn accesses(program: &mut Program, numbers: &mut Numbers) {
     if numbers.below(12) == 0 {
         return wait(program, numbers);
+    }
+    if numbers.below(12) == 0 {
+        return write_pins(program, numbers);
     }
     if numbers.below(3) > 0 {
         return access(program, numbers);

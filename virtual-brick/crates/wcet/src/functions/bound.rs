@@ -9,9 +9,7 @@ use crate::elapsed::{difference, Elapsed, PathTree, UNBOUNDED};
 use crate::error::{Error, MissingBound};
 use crate::functions::effects::{effects, Endless};
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats, Executed};
-use crate::functions::function_bound::{
-    inner_recursive_call, BlockBound, BoundOrigin, FunctionBound, LoopBound,
-};
+use crate::functions::function_bound::{BlockBound, BoundOrigin, FunctionBound, LoopBound};
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::{Arguments, BoundResult, Program};
 use crate::functions::remaining_time::remaining_times;
@@ -37,7 +35,7 @@ impl Program<'_> {
         let recursive = self.facts.recursion(entry).is_some();
         if self.bounding.borrow().contains(&entry) {
             if recursive {
-                return Ok(Rc::new(inner_recursive_call(entry)));
+                return Ok(Rc::new(FunctionBound::uncharged(entry)));
             }
             return Err(Error::Recursion(vec![self.image.place(entry.0)]));
         }
@@ -114,7 +112,7 @@ fn context_bound(program: &Program<'_>, entry: Entry, cycles: u64) -> Result<Fun
         sections: found.sections,
         remaining: program.remaining_in_any(&found.functions, cycles),
         functions: found.functions,
-        ..inner_recursive_call(entry)
+        ..FunctionBound::uncharged(entry)
     })
 }
 
@@ -243,7 +241,7 @@ fn origin(finding: &LoopFinding, annotated: Option<u64>) -> BoundOrigin {
 /// return with the arguments they have.
 type CalleeBounds = (Vec<Vec<Rc<FunctionBound>>>, BTreeSet<usize>);
 
-/// Those of the functions for which `wanted` holds.
+/// What [`CalleeBounds`] says, of calls of the functions for which `wanted` holds.
 pub fn callee_bounds(
     program: &Program<'_>,
     summary: &FunctionSummary,

@@ -7,7 +7,7 @@
 use crate::elapsed::UNBOUNDED;
 use crate::error::Error;
 use crate::functions::execution::{combined_bound, execute, longest_call, repeats};
-use crate::functions::function_bound::{inner_recursive_call, FunctionBound};
+use crate::functions::function_bound::FunctionBound;
 use crate::functions::function_summary::FunctionSummary;
 use crate::functions::program::Program;
 use crate::inputs::image::Entry;
@@ -197,7 +197,7 @@ impl Search<'_, '_> {
                     match in_context.filter(|cycles| *cycles != UNBOUNDED) {
                         Some(cycles) => calls.bounded.push(Rc::new(FunctionBound {
                             cycles,
-                            ..inner_recursive_call(callee)
+                            ..FunctionBound::uncharged(callee)
                         })),
                         None if matches!(error, Error::MissingBounds(_)) => {
                             calls.unbounded = calls.unbounded.or(Some(error));

@@ -93,19 +93,22 @@ pub struct FunctionBound {
     pub functions: BTreeSet<u32>,
 }
 
-/// The inner call of a recursive function: its time and stack are the outer one's.
-pub fn inner_recursive_call(entry: Entry) -> FunctionBound {
-    FunctionBound {
-        entry,
-        cycles: 0,
-        path_cycles: 0,
-        stack_bytes: Some(0),
-        stack_lost: None,
-        blocks: Vec::new(),
-        loops: Vec::new(),
-        sections: CriticalSections::new(),
-        remaining: RemainingTimes::new(),
-        path: None,
-        functions: BTreeSet::new(),
+impl FunctionBound {
+    /// With nothing charged yet: also the inner call of a recursive function, whose time and stack
+    /// are the outer one's.
+    pub fn uncharged(entry: Entry) -> Self {
+        Self {
+            entry,
+            cycles: 0,
+            path_cycles: 0,
+            stack_bytes: Some(0),
+            stack_lost: None,
+            blocks: Vec::new(),
+            loops: Vec::new(),
+            sections: CriticalSections::new(),
+            remaining: RemainingTimes::new(),
+            path: None,
+            functions: BTreeSet::new(),
+        }
     }
 }

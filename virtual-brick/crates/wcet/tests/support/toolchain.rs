@@ -69,3 +69,14 @@ pub fn build(name: &str, sources: &[PathBuf], flags: &[&str]) -> Option<Vec<u8>>
         }
     }
 }
+
+/// Calls `check` with a program, compiled for each state, and the flag of that state.
+pub fn in_each_state(name: &str, optimisation: &str, check: impl Fn(&str, &[u8])) {
+    for state in ["-marm", "-mthumb"] {
+        let sources = [program(&format!("{name}.c"))];
+        let Some(elf) = build(name, &sources, &[state, optimisation]) else {
+            return;
+        };
+        check(state, &elf);
+    }
+}
