@@ -234,3 +234,29 @@ fn levels_are_written_amid_a_block_only_where_nothing_follows_the_pin() {
         assert_eq!(read(&mut chip, ISR) & 1 << pin, level, "{pin}");
     }
 }
+
+#[test]
+fn amid_a_block_a_level_is_read_back_and_an_input_keeps_its_own() {
+    let mut chip = running_chip();
+    chip.board_mut().followed = Some(0);
+    write(&mut chip, CODR, 3 << 5);
+    write(&mut chip, OER, 1 << 5);
+    drive(&mut chip, 1 << 6, 0);
+    assert!(chip.register_write(SODR, 3 << 5, 1));
+    let seen = chip
+        .register_read(PDSR, 2)
+        .map(|(levels, _)| levels & 3 << 5);
+    assert_eq!(seen, Some(1 << 5));
+    let (driven, level) = (1 << 5, 1 << 5);
+    let last = chip.board().log.last().map(|entry| entry.1.clone());
+    assert_eq!(last, Some(Seen::Pins { driven, level }));
+}
+
+#[test]
+fn amid_a_block_a_line_that_others_drive_too_is_not_written() {
+    let mut chip = running_chip();
+    chip.board_mut().followed = Some(0);
+    write(&mut chip, OER, 1 << 5);
+    write(&mut chip, MDER, 1 << 5);
+    assert!(!chip.register_write(SODR, 1 << 5, 1));
+}

@@ -7,7 +7,7 @@ use crate::chip::Chip;
 use crate::clock::NEVER;
 use crate::fault::TransferFault;
 use crate::peripherals::{Peripheral, SPI_BASE};
-use crate::pins::{EXTERNAL_INTERRUPTS, INTERRUPT_PINS, PIOA};
+use crate::pins::{Pins, EXTERNAL_INTERRUPTS, INTERRUPT_PINS, PIOA};
 use crate::schedule::EventKind;
 use crate::serial::pdc;
 use crate::serial::ports::{SerialPorts, DEBUG_UNIT, IDENTIFIERS};
@@ -353,24 +353,22 @@ impl<B: Board> Chip<B> {
         }
     }
 
-    /// Write levels of outputs at `at`, unless something besides the controller follows a pin that
-    /// changes; true when written.
-    #[inline(never)]
+    /// Write levels of outputs at `at`, unless something besides the controller follows one that
+    /// changes; true when written. The pins carry what chip and board drive: no event is due.
+    #[inline]
     pub(super) fn write_unfollowed(&mut self, offset: u32, value: u32, at: Cycles) -> bool {
-        let pins = &mut self.pins;
-        let mut pio = pins.pio.clone();
-        pio.write_levels(offset, value);
-        let outputs = pio.outputs(pins.serial_lines, pins.timer_lines);
         let clocked = self.peripherals.pmc.clocked(PIOA);
-        let (changed, seen) = pio.sample(outputs, self.board.pin_levels(), clocked);
-        let driven = outputs.differences(pins.outputs);
-        let followed = FOLLOWED | pio.mask() | pins.log.chosen() | self.board.followed_pins();
-        if (changed | seen | driven) & followed != 0 {
+        let Pins {
+            pio, outputs, log, ..
+        } = &mut self.pins;
+        debug_assert!(pio.settled(*outputs, self.board.pin_levels(), clocked));
+        let changed = pio.levels_changed(offset, value);
+        let followed = FOLLOWED | pio.followed() | log.chosen() | self.board.followed_pins();
+        if changed & followed != 0 {
             return false;
         }
-        pins.pio = pio;
-        pins.outputs = outputs;
-        self.board.outputs_changed(at, outputs);
+        outputs.level ^= pio.invert_levels(changed, clocked);
+        self.board.outputs_changed(at, *outputs);
         true
     }
 

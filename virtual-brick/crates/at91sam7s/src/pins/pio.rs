@@ -177,19 +177,37 @@ impl Pio {
         matches!(offset, PIO_SODR | PIO_CODR | PIO_ODSR)
     }
 
-    /// Write such a register.
+    /// Levels that a write to such a register changes.
     #[inline]
-    pub(crate) fn write_levels(&mut self, offset: u32, value: u32) {
-        self.data = match offset {
-            PIO_SODR => self.data | value,
-            PIO_CODR => self.data & !value,
-            _ => self.data & !self.write_enable | value & self.write_enable,
+    pub(crate) fn levels_changed(&self, offset: u32, value: u32) -> u32 {
+        match offset {
+            PIO_SODR => value & !self.data,
+            PIO_CODR => value & self.data,
+            _ => (value ^ self.data) & self.write_enable,
         }
+    }
+
+    /// Pins of which another level requests an interrupt, or changes what is driven.
+    pub(crate) fn followed(&self) -> u32 {
+        self.mask | self.multi_drive
+    }
+
+    /// Change levels of outputs that are not followed; returns those that the chip drives.
+    #[inline]
+    pub(crate) fn invert_levels(&mut self, changed: u32, clocked: bool) -> u32 {
+        let driven = changed & self.pio_control & self.output;
+        self.data ^= changed;
+        self.pins ^= driven;
+        if clocked {
+            self.levels ^= driven;
+            self.changes |= driven;
+        }
+        driven
     }
 
     pub(crate) fn write(&mut self, offset: u32, value: u32) -> Access {
         match offset {
-            PIO_SODR | PIO_CODR | PIO_ODSR => self.write_levels(offset, value),
+            PIO_SODR | PIO_CODR | PIO_ODSR => self.data ^= self.levels_changed(offset, value),
             PIO_PER => self.pio_control |= value,
             PIO_PDR => self.pio_control &= !value,
             PIO_OER => self.output |= value,

@@ -48,12 +48,10 @@ const FOLLOWED: u32 =
 /// Direction of port 4's RS485 transceiver: high while the brick drives the line.
 const RS485_DRIVES: u32 = 1 << 7;
 
-impl Board for NxtBoard {
-    fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
-        let before = std::mem::replace(&mut self.outputs, outputs);
-        if outputs.differences(before) & FOLLOWED == 0 {
-            return;
-        }
+impl NxtBoard {
+    /// Outputs have changed on which something depends.
+    #[inline(never)]
+    fn follow(&mut self, now: Cycles, outputs: PinOutputs) {
         let high = |pin: u32| {
             let pulled = outputs.driven & pin == 0 && outputs.pull_up & pin != 0;
             pulled || outputs.driven & outputs.level & pin != 0
@@ -81,6 +79,16 @@ impl Board for NxtBoard {
         devices.ports.outputs_changed(now, outputs);
         devices.bluetooth.lines_changed(now, lines);
         devices.usb.set_pull_up(now, on);
+    }
+}
+
+impl Board for NxtBoard {
+    #[inline]
+    fn outputs_changed(&mut self, now: Cycles, outputs: PinOutputs) {
+        let before = std::mem::replace(&mut self.outputs, outputs);
+        if outputs.differences(before) & FOLLOWED != 0 {
+            self.follow(now, outputs);
+        }
     }
 
     fn followed_pins(&self) -> u32 {
