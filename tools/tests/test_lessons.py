@@ -75,10 +75,20 @@ def test_a_lecturers_page_has_all_its_parts(sheet: Path) -> None:
     assert re.findall(r"^### (.*)$", part(text, "Answers"), re.MULTILINE) == [
         "Pre-lab",
         "Discussion",
+        "Going further",
     ]
     minutes = re.findall(r"^\| *(\d+) *\|", part(text, "Timing plan"), re.MULTILINE)
     assert sum(map(int, minutes)) == 90 or sheet.stem == "16-project"
     assert part(text, "Slides").count("\n### ") >= 8
+
+
+@pytest.mark.parametrize("sheet", ALL, ids=lambda sheet: sheet.stem)
+def test_each_question_of_going_further_has_an_answer(sheet: Path) -> None:
+    """In the order of the sheet."""
+    asked = re.findall(r"^- ", part(sheet.read_text(), "Going further"), re.MULTILINE)
+    answers = part(teaching_page(sheet).read_text(), "Answers").partition("### Going further\n")[2]
+    numbers = re.findall(r"^(\d+)\. ", answers, re.MULTILINE)
+    assert list(map(int, numbers)) == list(range(1, len(asked) + 1))
 
 
 @pytest.mark.parametrize("sheet", ALL, ids=lambda sheet: sheet.stem)

@@ -37,12 +37,26 @@ export function fetchFile(address: string): Promise<Response> {
   return FROM_DISK ? fromDisk(address) : fetch(address);
 }
 
-/** Start the worker: one from the disk is made of its text, and gets the core from here. */
-export async function startWorker(script: string, core: string): Promise<Worker> {
-  if (!FROM_DISK) return new Worker(script);
-  const text = await (await fetchFile(script)).blob();
-  const module = await (await fetchFile(core)).arrayBuffer();
-  const worker = new Worker(URL.createObjectURL(text));
-  worker.postMessage(module, [module]);
-  return worker;
+/** The core; a server that names its type has it compiled while it is loaded. */
+async function compiled(core: string): Promise<WebAssembly.Module> {
+  const file = await fetchFile(core);
+  if (!file.ok) throw new Error(`${core} is missing`);
+  if (file.headers.get("Content-Type") === "application/wasm") {
+    return WebAssembly.compileStreaming(file);
+  }
+  return WebAssembly.compile(await file.arrayBuffer());
+}
+
+/**
+ * Start the worker, one from the disk from its text; meanwhile load the core. `given` is done when
+ * the worker has it.
+ */
+export async function startWorker(
+  script: string,
+  core: string,
+): Promise<{ worker: Worker; given: Promise<void> }> {
+  const module = compiled(core);
+  const text = FROM_DISK ? await (await fetchFile(script)).blob() : null;
+  const worker = new Worker(text ? URL.createObjectURL(text) : script);
+  return { worker, given: module.then((loaded) => worker.postMessage(loaded)) };
 }

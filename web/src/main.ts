@@ -16,6 +16,8 @@ import workerAddress from "./worker?worker&url";
 const page = document.getElementById("page");
 if (!page) throw new Error("index.html has no element #page");
 
+// First of all: the core takes longest, and the page is made meanwhile.
+const starting = startWorker(workerAddress, coreAddress);
 const place = placeOf(location);
 const { name, embedded } = place;
 document.documentElement.classList.toggle("embedded", embedded);
@@ -28,7 +30,7 @@ const begins = place.runs && !matchMedia("(prefers-reduced-motion: reduce)").mat
 const app = new App(page, { send }, { name, embedded, asks: !begins });
 
 async function startBrick(): Promise<void> {
-  const started = await startWorker(workerAddress, coreAddress);
+  const { worker: started, given } = await starting;
   started.addEventListener("message", ({ data }: MessageEvent<Report>) => {
     if (data.kind === "started") {
       worker = started;
@@ -41,6 +43,7 @@ async function startBrick(): Promise<void> {
       `The brick cannot run in this browser: ${event.message || "no WebAssembly"}`,
     );
   });
+  await given;
 }
 
 startBrick().catch((error: Error) => {

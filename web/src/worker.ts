@@ -117,18 +117,16 @@ function tick(): void {
   else setTimeout(tick, Math.max(0, TICK_MS - (performance.now() - now)));
 }
 
-/** The core's bytes, sent first by a page from the disk; otherwise they are beside the worker. */
-function handedOver(): Promise<ArrayBuffer | undefined> {
-  if (self.location.protocol !== "blob:") return Promise.resolve(undefined);
+/** The core, which the page sends first. */
+function handedOver(): Promise<WebAssembly.Module> {
   return new Promise((found) => {
-    const first = ({ data }: MessageEvent<ArrayBuffer>) => found(data);
+    const first = ({ data }: MessageEvent<WebAssembly.Module>) => found(data);
     self.addEventListener("message", first, { once: true });
   });
 }
 
 async function begin(): Promise<void> {
-  const core = await handedOver();
-  await initialise(core && { module_or_path: core });
+  await initialise({ module_or_path: await handedOver() });
   self.addEventListener("message", (message: MessageEvent<Command>) => execute(message.data));
   send({ kind: "started" });
   tick();

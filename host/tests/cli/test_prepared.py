@@ -10,8 +10,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from verification.support.needed_tools import NEEDS_TOOLCHAIN
 
 from ravenbrick import subprocesses
+from ravenbrick.project.templates import create_project
 from ravenbrick.studio.runner import RAVENBRICK
 from ravenbrick.subprocesses import run_script
 
@@ -20,6 +22,16 @@ import sys
 from pathlib import Path
 print(__name__, sys.argv[1:], Path(__file__).resolve().parent == Path.cwd())
 {end}
+"""
+
+# The prepared command line, which prints at its end what it loaded after it was prepared.
+WATCHED = """
+import atexit, json, sys
+from ravenbrick.cli import prepared
+prepared.prepare()
+before = set(sys.modules)
+atexit.register(lambda: print(json.dumps(sorted(set(sys.modules) - before))))
+prepared.main()
 """
 
 
@@ -43,6 +55,18 @@ def test_a_prepared_command_without_words_does_nothing() -> None:
     """Nobody needs it any more."""
     done = prepared("")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@NEEDS_TOOLCHAIN
+def test_a_prepared_command_has_loaded_what_its_build_needs(tmp_path: Path) -> None:
+    """After its words it loads modules of Python itself at most, as others take long."""
+    project = create_project(tmp_path / "robot", "blank").project
+    line = json.dumps(["build", str(project), "--json"])
+    done = subprocess.run(
+        [sys.executable, "-c", WATCHED], input=line, capture_output=True, text=True, check=True
+    )
+    late = json.loads(done.stdout.splitlines()[-1])
+    assert [name for name in late if name.split(".")[0] not in sys.stdlib_module_names] == []
 
 
 @pytest.mark.parametrize("end", ["", "sys.exit(3)", "raise ValueError('no motor')"])

@@ -17,7 +17,7 @@ from ravenbrick.control import (
     pi_with_estimator,
 )
 from ravenbrick.errors import DesignError
-from ravenbrick.model import IntegrationMethod, SpeedLoop, linearise
+from ravenbrick.model import NXT_MOTOR, IntegrationMethod, SpeedLoop, linearise
 
 LOOP = SpeedLoop(2.029, 0.037, 116.0)
 SAMPLE_TIME = 0.004
@@ -128,6 +128,14 @@ def test_a_design_near_the_fastest_response_is_found(settling_time: float) -> No
     pi = pi_with_estimator(LOOP, LoopSpecification(settling_time, 0.02, SAMPLE_TIME, 8, 0.0023))
     found = SampledLoop(LOOP, pi.controller(), 8, 0.0023).step_metrics()
     assert found.settling_time == pytest.approx(settling_time, abs=1e-6)
+
+
+def test_a_settling_time_of_whole_samples_has_a_design() -> None:
+    """Rounding errors decide on which side of the last sample the band is left."""
+    loop = SpeedLoop.of_motor(NXT_MOTOR, 116.0)
+    pi = pi_with_estimator(loop, LoopSpecification(0.2, 0.005, 0.02, 1, 0.0023))
+    found = SampledLoop(loop, pi.controller(), 1, 0.0023).step_metrics()
+    assert found.settling_time == pytest.approx(0.2, abs=1e-6)
 
 
 def test_a_specification_that_cannot_be_met_is_refused() -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from verification.support.needed_tools import NEEDS_TOOLCHAIN
@@ -43,3 +44,17 @@ def test_an_edit_right_after_a_build_is_compiled(tmp_path: Path) -> None:
         write(sources, ada, c)
         content = build_image(workspace, robot, "ram").image.content
         assert ada.encode() in content and c.encode() in content
+
+
+@NEEDS_TOOLCHAIN
+def test_a_change_of_the_design_compiles_what_depends_on_it(tmp_path: Path) -> None:
+    """Not the units of files that the design wrote again with the same content."""
+    workspace = create_project(tmp_path / "robot", "motor")
+    robot, script = read_robot(workspace.project), workspace.project / "design.py"
+    build_image(workspace, robot, "ram")
+    text = script.read_text()
+    script.write_text(text.replace("SETTLING_TIME = 0.4", "SETTLING_TIME = 0.3"))
+    shown: list[str] = []
+    build_image(workspace, robot, "ram", shown.append)
+    compiled = {name for line in shown for name in re.findall(r"^  (?:gnat1|cc1) +(\S+)", line)}
+    assert compiled == {"functional.c", "controller_design.ads", "bench.adb", "tasks.adb"}

@@ -15,22 +15,29 @@ import sys
 
 from ravenbrick import subprocesses
 from ravenbrick.cli import main as command_line
+from ravenbrick.cli.app import load
 
-__all__ = ["main"]
+__all__ = ["main", "prepare"]
 
 # What a command of the studio or a design.py would load first.
 LOADED = (
-    "ravenbrick.cli.build", "ravenbrick.codegen", "ravenbrick.control", "ravenbrick.model",
+    "elftools.elf.elffile", "ravenbrick.codegen", "ravenbrick.control", "ravenbrick.model",
     "scipy.linalg", "scipy.optimize", "scipy.signal",
 )  # fmt: skip
 
 
-def main() -> None:
-    """Load, wait for words, and be that command."""
+def prepare() -> None:
+    """Load libraries, also those that Typer loads when it reads the words of a command."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy, as the command line does
     for name in LOADED:
         importlib.import_module(name)
+    load("build").make_context("build", ["."])
     subprocesses.scripts_share_libraries = True
+
+
+def main() -> None:
+    """Load, wait for words, and be that command."""
+    prepare()
     line = sys.stdin.readline()
     if not line:
         return

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from contextlib import suppress
 from pathlib import Path
@@ -103,12 +104,19 @@ def run_design(workspace: Workspace) -> None:
             f"{shown_path(script)}: would overwrite the controller in generated/, which is "
             f"{origin.sentence}; remove {shown_path(origin.file)} to have design.py write it"
         )
-    digest = _digest(script)
+    digest, before = _digest(script), _made(workspace)
+    times = {name: (script.parent / "generated" / name).stat().st_mtime_ns for name in before}
     workspace.design_file.parent.mkdir(parents=True, exist_ok=True)
     words = [DESIGN_SCRIPT, "--results", str(workspace.design_file)]
     done = run_script(words, workspace.project)
     if done.returncode != 0:
         raise _failure(script, done.stdout)
+    made = _made(workspace)
+    unchanged = [name for name in before if made.get(name) == before[name]]
+    # gprbuild goes by times. One file at least keeps its own: that the design was run.
+    if len(unchanged) < len(made):
+        for name in unchanged:
+            os.utime(script.parent / "generated" / name, ns=(times[name], times[name]))
     remember_design(workspace, digest)
 
 

@@ -133,6 +133,11 @@ def _leaving(segments: Sequence[Segment], band: float) -> list[Segment]:
 
 
 def _crossing(segment: Segment, left: float, right: float, level: float) -> float:
-    if abs(segment.value(right)) == abs(level):
-        return right
-    return float(optimize.brentq(lambda t: segment.value(t) - level, left, right, xtol=1e-14))
+    """From beyond a level to this side of it; an end where rounding errors decide is the place."""
+
+    def beyond(instant: float) -> float:
+        return math.copysign(1.0, level) * (segment.value(instant) - level)
+
+    if beyond(left) <= 0:
+        return left
+    return right if beyond(right) >= 0 else float(optimize.brentq(beyond, left, right, xtol=1e-14))
