@@ -38,6 +38,7 @@ from ravenbrick.timing.initial_state import (
     ENVIRONMENT,
     ProtectedObject,
     attached_handlers,
+    executed_bodies,
 )
 from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
@@ -312,10 +313,11 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
     costs = interrupt_costs(image, attached, releasing, timing)
     alarm = alarm_costs(image, costs[0], releasing, periods_us(tasks))
     events = event_costs(image, costs[0], expiring, facts, annotations)
+    executed = executed_bodies(brick, image)
     background = background_of(
-        robot, image, brick, partial(body_of, image, facts), annotations, timing
+        robot, image, brick, partial(body_of, image, executed), annotations, timing
     )
-    of_jobs = JobsOfTasks(image, facts, tasks, annotations, timing)
+    of_jobs = JobsOfTasks(image, facts, tasks, annotations, timing, executed)
     jobs = of_jobs.bounds(paths=True)
     stuck = [(task, job) for task, job in jobs if job.endless is not None]
     if stuck:

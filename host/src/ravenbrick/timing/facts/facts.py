@@ -42,7 +42,6 @@ OWN_TABLES = frozenset(
         "timing_event",
         "transfer",
         "suspension",
-        "body",
         "chain",
         "mode",
         "flow",
@@ -208,7 +207,6 @@ class Facts:
     transfers: tuple[TransferLoad, ...] = ()
     suspensions: tuple[Suspension, ...] = ()
     operations: tuple[Operation, ...] = ()
-    bodies: tuple[tuple[str, str], ...] = ()
     chains: tuple[Chain, ...] = ()
     modes: tuple[Mode, ...] = ()
     flows: tuple[FlowFact, ...] = ()
@@ -293,7 +291,7 @@ def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
 def _check_tasks(document: LocatedToml, robot: Robot) -> None:
     named: list[tuple[KeyPath, str]] = [
         ((table, index, "task"), row["task"])
-        for table in ("suspension", "body", "interrupt", "job_kind", "outside")
+        for table in ("suspension", "interrupt", "job_kind", "outside")
         for index, row in enumerate(document.values.get(table, []))
         if "task" in row
     ]
@@ -430,7 +428,6 @@ def read_facts(robot: Robot) -> Facts:
             for row in rows("suspension")
             if "symbol" in row
         ),
-        tuple((row["task"].lower(), row["symbol"]) for row in rows("body")),
         tuple(_chain(row) for row in rows("chain")),
         tuple(_mode(row, path, robot) for row, path in reversed(modes.values())),
         tuple(

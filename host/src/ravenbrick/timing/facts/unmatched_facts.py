@@ -19,7 +19,7 @@ REMEDY = "; correct it, or remove the fact"
 # Tables of places by the name that the execution-time analysis has for them.
 PLACES = {"loop": "loop", "call": "call", "never": "never", "outside": "avoided"}
 PLACES |= {"recursion": "recursion"}
-NAMING_ONE = ("suspension", "body", "flow")
+NAMING_ONE = ("suspension", "flow")
 
 
 def _unmatched(elf: bytes, name: str, files: dict[str, str]) -> list[dict[str, Any]]:

@@ -5,15 +5,15 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ravenbrick.errors import DeadlineError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Task
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
-from ravenbrick.timing.facts.facts import TIMING_FILE, Facts, KindOfJob
+from ravenbrick.timing.facts.facts import Facts, KindOfJob
 from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.timing.task_set.background import endless_words, main_symbol
 from ravenbrick.timing.task_set.scheduled_tasks import WAITS
@@ -25,38 +25,39 @@ Jobs = list[tuple[Task, Bound]]
 Kinds = Sequence[tuple[KindOfJob, Bound]]
 
 
-def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
-    """Symbol of a task's body. Raises `ExecutionTimeError` when it cannot be told."""
-    named = dict(facts.bodies).get(task.name.lower())
-    if named is not None:
-        return named
+def body_of(image: ElfImage, executed: Mapping[str, str], task: Task) -> str:
+    """Symbol of a task's body: the one that it began to execute, if it has begun, else the only
+    one with its name. Raises `ExecutionTimeError` when it cannot be told."""
     if task.name == ENVIRONMENT:
         return main_symbol(image)
-    end = f"__{task.name.lower()}TKB"
-    found = sorted(name for name in image.symbols if name.endswith(end))
+    name = task.name.lower()
+    if name in executed:
+        return executed[name]
+    found = [symbol for symbol in image.symbols if symbol.endswith(f"__{name}TKB")]
     if len(found) == 1:
         return found[0]
     raise ExecutionTimeError(
-        f"the image has {len(found)} bodies for the task '{task.name}'; name the subprogram in "
-        f'{TIMING_FILE}: [[body]] task = "{task.name}", symbol = "..."'
+        f"the image has {len(found)} bodies with the name of the task '{task.name}', and it does "
+        "not begin with the others; declare it as a single task with another name"
     )
 
 
 @dataclass(frozen=True)
 class JobsOfTasks:
     """Bounds of the jobs of these tasks, with what is known of their code; `timing` is a profile of
-    the timing that no document fixes."""
+    the timing that no document fixes, `executed` the bodies that tasks began to execute."""
 
     image: ElfImage
     facts: Facts
     tasks: Sequence[Task]
     annotations: Annotations
     timing: str
+    executed: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def bodies(self) -> list[str]:
         """Symbols of the tasks' bodies."""
-        return [body_of(self.image, self.facts, task) for task in self.tasks]
+        return [body_of(self.image, self.executed, task) for task in self.tasks]
 
     @property
     def questions(self) -> list[JobQuestion]:
