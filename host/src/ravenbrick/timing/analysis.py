@@ -31,7 +31,7 @@ from ravenbrick.timing.environment_stack import (
     EnvironmentStack,
     environment_stack,
 )
-from ravenbrick.timing.facts.counted_facts import CountedFact, counted_facts
+from ravenbrick.timing.facts.counted_facts import CountedFact, counted_facts, turn_facts
 from ravenbrick.timing.facts.facts import Facts, KindOfJob, Mode, annotations_of
 from ravenbrick.timing.facts.source_facts import source_facts
 from ravenbrick.timing.initial_state import (
@@ -123,7 +123,7 @@ class Analysis:
     handlers_stack_bytes: int = 0
     environment: EnvironmentStack = NO_ENVIRONMENT
     requests: tuple[Request, ...] = ()
-    kinds: tuple[tuple[KindOfJob, int], ...] = ()
+    kinds: tuple[tuple[KindOfJob, int, tuple[int, ...]], ...] = ()
     outside: frozenset[str] = frozenset()
 
     @property
@@ -230,7 +230,7 @@ def _executions(
     """
 
     def executions(jobs: Jobs, kinds: Kinds, dispatch: int) -> Executions:
-        each = [(kind, bound.cycles) for kind, bound in kinds]
+        each = [(kind, bound.cycles, turns) for kind, bound, turns in kinds]
         return Executions(longest_kinds(jobs, kinds, facts), each, dispatch)
 
     found = [executions(jobs, of_jobs.kinds(stated), 0)]
@@ -378,7 +378,7 @@ def _counted(
     files = {facts.name, facts.of_jobs[0], "pragma Annotate", DISPATCH_TABLES}
     files |= {name for name, _ in facts.shared}
     known = [*annotations, facts.of_jobs]
-    found = counted_facts(image.content, roots, known, files)
+    found = counted_facts(image.content, roots, known, files) + turn_facts(image, facts)
     for mode in facts.modes:
         name = facts.mode_file(mode.name)
         stated = [*known, (name, mode.annotations)]

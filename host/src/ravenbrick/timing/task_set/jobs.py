@@ -22,7 +22,8 @@ from ravenbrick.timing.task_set.suspension import joined_releases
 Annotations = Sequence[tuple[str, str]]
 """Texts of facts about code, with the names of their files."""
 Jobs = list[tuple[Task, Bound]]
-Kinds = Sequence[tuple[KindOfJob, Bound]]
+Kinds = Sequence[tuple[KindOfJob, Bound, tuple[int, ...]]]
+"""Kinds of jobs with their bounds, and the bounds of each turn, if there are any."""
 
 
 def body_of(image: ElfImage, executed: Mapping[str, str], task: Task) -> str:
@@ -138,8 +139,15 @@ class JobsOfTasks:
         for kind in self.facts.kinds:
             if kind.task in questions:
                 own = (f"{kind.file}, kind of job '{kind.name}'", kind.annotations)
-                asked = self._asked([questions[kind.task]], [*stated, own], paths=not stated)
-                found.append((kind, asked[0]))
+                turns = self.facts.in_turn(kind.task)
+                count = 0 if turns is None else len(turns.never)
+                more = [[turns.annotations(turn)] for turn in range(count)] if turns else [[]]
+                asked = [
+                    self._asked([questions[kind.task]], [*stated, own, *each], not stated)[0]
+                    for each in more
+                ]
+                cycles = tuple(bound.cycles for bound in asked)[:count]
+                found.append((kind, max(asked, key=lambda bound: bound.cycles), cycles))
         return found
 
 
@@ -155,7 +163,7 @@ def longest_kinds(jobs: Jobs, kinds: Kinds, facts: Facts) -> Jobs:
     found = []
     for task, job in jobs:
         if _kinds_bound(task, facts):
-            own = (bound for kind, bound in kinds if kind.task == task.name)
+            own = (bound for kind, bound, _ in kinds if kind.task == task.name)
             longest = max(own, key=lambda bound: bound.cycles)
             if longest.cycles < job.cycles:
                 path, report = longest.path, longest.report
