@@ -224,7 +224,7 @@ def test_a_transfer_of_a_peripheral_without_a_fact_is_told() -> None:
 def test_a_job_of_no_kind_is_told() -> None:
     robot, _, _, analysis, recording = run()
     few = ((SOURCE_NUMBERS["TWI"], 3),)
-    kinds = tuple((replace(kind, most=few), *rest) for kind, *rest in analysis.kinds)
+    kinds = tuple((replace(kind, most=few), most, turns) for kind, most, turns in analysis.kinds)
     with pytest.raises(ExecutionTimeError, match="of none of the kinds 'reset', 'exchange'"):
         check_job_kinds(robot, replace(analysis, kinds=kinds), recording)
 

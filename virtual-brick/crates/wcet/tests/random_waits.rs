@@ -166,7 +166,7 @@ fn no_time_between_two_waits_of_a_random_body_exceeds_its_bound() {
         let source = std::env::temp_dir().join(format!("waits-{}-{seed}.c", std::process::id()));
         std::fs::write(&source, Writer::program(seed)).unwrap();
         let flags = VARIANTS[seed as usize % VARIANTS.len()];
-        let Some(elf) = build("random_waits", &[source.clone()], &flags) else {
+        let Some(elf) = build("random_waits", std::slice::from_ref(&source), &flags) else {
             return;
         };
         let answer = request.answer(&elf, &MemoryMap::without_wait_states());

@@ -395,6 +395,15 @@ def _interrupts(
     )
 
 
+def _turns(documents: Sequence[LocatedToml], robot: Robot) -> tuple[JobsInTurn, ...]:
+    return tuple(
+        JobsInTurn(row["task"], tuple(map(tuple, row["never"])), row["reason"], str(document.path))
+        for document in documents
+        for row in document.values.get("jobs_in_turn", [])
+        if robot.task(row["task"]) is not None
+    )
+
+
 def _annotations(document: LocatedToml) -> str:
     values = document.values
     return annotations_of({key: rows for key, rows in values.items() if key not in OWN_TABLES})
@@ -481,10 +490,5 @@ def read_facts(robot: Robot) -> Facts:
             for row in document.values.get("job_kind", [])
             if robot.task(row["task"]) is not None
         ),
-        tuple(
-            JobsInTurn(row["task"], tuple(map(tuple, row["never"])), row["reason"], str(d.path))
-            for d in documents
-            for row in d.values.get("jobs_in_turn", [])
-            if robot.task(row["task"]) is not None
-        ),
+        _turns(documents, robot),
     )

@@ -304,9 +304,7 @@ def scheduled_bounds(
         others = _seen_by(timing, timings, tasks, bounds, changed)
         met = [*phased_in_jobs(timing, timings, others or tasks, facts), *more]
         met = [
-            _in_turn(_paying(task, dispatch), kinds.get(task.name, ()))
-            if task.name != timing.task.name
-            else task
+            task if task.name == timing.task.name else _in_turn(_paying(task, dispatch), kinds)
             for task in met
         ]
         beside = {
@@ -409,10 +407,9 @@ def _job_kinds(
     return found
 
 
-def _in_turn(task: ScheduledTask, kinds: Sequence[JobKind]) -> ScheduledTask:
-    """A task as others meet it, with the longest kind of each turn of its jobs, which are of these
-    kinds."""
-    turns = [kind.turns for kind in kinds]
+def _in_turn(task: ScheduledTask, kinds: Mapping[str, Sequence[JobKind]]) -> ScheduledTask:
+    """A task as others meet it, with the longest of its kinds in each turn of its jobs."""
+    turns = [kind.turns for kind in kinds.get(task.name, ())]
     if task.phase is None or not turns or not all(turns):
         return task
     longest = (min(task.wcet, max(each)) for each in zip(*turns, strict=True))
