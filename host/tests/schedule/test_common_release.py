@@ -152,6 +152,39 @@ def alternating(seed: int) -> tuple[TaskSet, TaskSet, Known]:
     return simulated, analysed, known
 
 
+def kinds_in_turn(seed: int) -> tuple[TaskSet, TaskSet, Known]:
+    """As `alternating`, where it is known which jobs come when: each of both kinds has one of the
+    times in turn, the job with interrupts in the second one."""
+    simulated, analysed, known = alternating(seed)
+    link, short = analysed.task("link"), simulated.task("short").wcet
+    analysed = analysed.with_task(replace(link, turns=(link.wcet, short)))
+    first, second = known.kinds["link"]
+    kinds = (replace(first, turns=(link.wcet, 1)), replace(second, turns=(1, short)))
+    return simulated, analysed, replace(known, kinds={"link": kinds})
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_bounds_below_jobs_that_take_their_times_in_turn_are_exact(seed: int) -> None:
+    rng = random.Random(seed)
+    turns = tuple(rng.randint(1, 6) for _ in range(rng.choice((2, 2, 3, 4))))
+    period = rng.choice((8, 10, 12))
+    top = Task("top", period, max(turns), 3, phase=rng.randint(0, 11), turns=turns)
+    others = [
+        Task(name, multiple * period, rng.randint(1, 9), priority, phase=rng.randint(0, 40))
+        for name, multiple, priority in (("middle", rng.choice((2, 3)), 2), ("low", 4, 1))
+    ]
+    each = [
+        replace(top, name=f"top {n}", period=len(turns) * period, wcet=wcet, turns=(),
+                deadline=len(turns) * period, phase=int(top.phase or 0) + n * period)
+        for n, wcet in enumerate(turns)
+    ]  # fmt: skip
+    run = simulate(TaskSet((*each, *others)), 2_000)
+    bounds = phased_response_time_bounds(TaskSet((top, *others)))
+    for found in bounds[1:]:
+        if found.bound is not None and found.bound <= found.task.period:
+            assert run.response_time_max(found.task.name) == found.bound
+
+
 def interrupted_before(seed: int) -> tuple[TaskSet, TaskSet, Known]:
     """As `alternating`, but the interrupts of the shorter job come, some late, just before the
     longer one is released, and the least urgent task may block the middle one."""
@@ -263,7 +296,8 @@ def compared(
 
 
 @pytest.mark.parametrize(
-    "case", [alternating, interrupted_before, requested_above, requested_by_itself]
+    "case",
+    [alternating, kinds_in_turn, interrupted_before, requested_above, requested_by_itself],
 )
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_run_exceeds_a_bound_with_kinds_of_jobs_and_requests(seed: int, case: Case) -> None:

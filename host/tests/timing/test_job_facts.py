@@ -24,6 +24,7 @@ from ravenbrick.project.workspace import Workspace
 from ravenbrick.schedule.quantity import Time
 from ravenbrick.timing.analysis import Analysis, analyse
 from ravenbrick.timing.bounds import ExecutionTimeError
+from ravenbrick.timing.facts.counted_facts import points_text, turn_facts
 from ravenbrick.timing.facts.facts import (
     SOURCE_NUMBERS,
     Facts,
@@ -223,9 +224,45 @@ def test_a_transfer_of_a_peripheral_without_a_fact_is_told() -> None:
 def test_a_job_of_no_kind_is_told() -> None:
     robot, _, _, analysis, recording = run()
     few = ((SOURCE_NUMBERS["TWI"], 3),)
-    kinds = tuple((replace(kind, most=few), cycles) for kind, cycles in analysis.kinds)
+    kinds = tuple((replace(kind, most=few), most, turns) for kind, most, turns in analysis.kinds)
     with pytest.raises(ExecutionTimeError, match="of none of the kinds 'reset', 'exchange'"):
         check_job_kinds(robot, replace(analysis, kinds=kinds), recording)
+
+
+def test_jobs_that_execute_what_their_turn_leaves_out_are_told() -> None:
+    """Those of the vehicle's link take turns as stated, and not the other way round."""
+    robot, facts, image, _, _ = run()
+    (stated,) = facts.turns
+    wrong = replace(facts, turns=(replace(stated, never=stated.never[::-1]),))
+    points = turn_facts(image, facts)
+    assert {fact.turn for fact in points} == {(0, stated.task), (1, stated.task)}
+    scenario = replace(read_scenario(scenario_path(VEHICLE, "step"), robot), duration_ms=1_000)
+    recording = VirtualTarget(flow_points=points_text(points)).run(robot, scenario, image)
+    assert all(len(count["arrivals"]) > 200 for count in recording.flow_counts)
+    told = [
+        [count.excess for count in fact_counts(robot, each, image, counted, recording)
+         if "[[jobs_in_turn]]" in count.fact and count.excess]
+        for each, counted in ((facts, points), (wrong, turn_facts(image, wrong)))
+    ]  # fmt: skip
+    assert told[0] == []
+    assert told[1] and all("a job of turn " in text for text in told[1])
+    assert any(", job " in text and "of coprocessor_task" in text for text in told[1])
+    alone = replace(facts, together=facts.together - {stated.task})
+    assert turn_facts(image, alone) == ()
+
+
+def test_turns_make_bounds_below_closer_and_not_those_of_their_task() -> None:
+    robot, facts, image, analysis, _ = run()
+    scenario = read_scenario(scenario_path(VEHICLE, "step"), robot)
+    without = analyse(robot, image, elaborated(robot, scenario, image), replace(facts, turns=()))
+    longer = {name: bound.bound for name, bound in without.bounds.items()}
+    closer = {name: bound.bound for name, bound in analysis.bounds.items()}
+    assert closer["coprocessor_task"] == longer["coprocessor_task"]
+    assert (closer["control_task"] or 0) < (longer["control_task"] or 0)
+    assert (closer["display_task"] or 0) <= (longer["display_task"] or 0)
+    (mode,), (other,) = analysis.modes, without.modes
+    least, most = (each.bounds["display_task"].bound for each in (mode, other))
+    assert least is not None and most is not None and least < most
 
 
 @pytest.mark.parametrize("waits", [False, True])
@@ -243,7 +280,7 @@ def test_a_job_takes_no_longer_than_its_longest_kind_unless_it_waits_inside(wait
         next(timing.job for timing in each.tasks if timing.task.name == "control_task")
         for each in (without, found)
     )
-    ((_, longest),) = found.kinds
+    ((_, longest, _),) = found.kinds
     assert longest < before.cycles
     assert job.cycles == (before.cycles if waits else longest)
     assert job.path is not None and job.path["cycles"] == job.cycles
@@ -254,6 +291,7 @@ def test_a_job_takes_no_longer_than_its_longest_kind_unless_it_waits_inside(wait
     [
         ('task = "control_task"', 'task = "controltask"', "robot.toml has no task 'controltask'"),
         ('"driving__start"', '"driving__begin"', "the image has no function 'driving__begin'"),
+        ('"nxt__avr__inputs"', '"nxt__avr__input"', "the image has no function 'nxt__avr__input'"),
     ],
 )
 def test_a_kind_of_job_that_matches_nothing_is_refused_with_its_line(
@@ -261,7 +299,8 @@ def test_a_kind_of_job_that_matches_nothing_is_refused_with_its_line(
 ) -> None:
     image = run()[2]
     kind = '[[job_kind]]\ntask = "control_task"\nname = "a"\nnever = ["driving__start"]\n'
-    kind += 'reason = "it has started"\n'
+    kind += 'reason = "it has started"\n[[jobs_in_turn]]\ntask = "control_task"\n'
+    kind += 'never = [[], ["nxt__avr__inputs"]]\nreason = "a test"\n'
     (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
     for text in (kind, kind.replace(old, new)):
         (tmp_path / "timing.toml").write_text(f"schema_version = 1\n{text}")

@@ -162,7 +162,11 @@ def _search(
                 target=target,
                 transfer_cycles=transfer_cycles,
                 outside=outside,
-                facts_counted=[n for n, fact in enumerate(analysis.counted) if not fact.mode],
+                facts_counted=[
+                    n
+                    for n, fact in enumerate(analysis.counted)
+                    if not fact.mode and fact.turn is None
+                ],
             )
         worst = found.worst
         faultless, exceeded = found.undisturbed, found.exceeded

@@ -31,10 +31,16 @@ class Request:
 @dataclass(frozen=True)
 class JobKind:
     """Jobs of a task that take at most `wcet` and after whose release, until the next one, at most
-    this many jobs of each source come (parts of one where a job is a burst)."""
+    this many jobs of each source come (parts of one where a job is a burst). `turns` as of a task.
+    """
 
     wcet: Time
     most: tuple[tuple[str, Time], ...] = ()
+    turns: tuple[Time, ...] = ()
+
+    def execution(self, number: int) -> Time:
+        """Of the job with this number from the task's phase on."""
+        return self.turns[number % len(self.turns)] if self.turns else self.wcet
 
 
 @dataclass(frozen=True)
@@ -199,14 +205,15 @@ class Beginning:
             ]
         return replace(window, sources=tuple(sources), blockings=tuple(blockings) or (NO_BLOCKING,))
 
-    def with_kind(self, window: Window, task: Task, kind: JobKind) -> Window:
-        """The load that starts with a job of this kind: what comes until the next one, and before
-        the start from the job before. What is over is not met in this lead either."""
+    def with_kind(self, window: Window, task: Task, kind: JobKind, number: int) -> Window:
+        """The load that starts with a job of this kind and number: what comes until the next one,
+        and before the start from the job before. What is over is not met in this lead either."""
         most, found = dict(kind.most), []
         lead = self._lead(window)
         for source in window.sources:
             if source.task.name == task.name:
-                source = replace(source, execution=kind.wcet)
+                alone = replace(source.task, turns=())
+                source = replace(source, task=alone, execution=kind.execution(number))
             elif source.task.name in most:
                 share = most[source.task.name] + source.work(lead)[0]
                 source = _at_most(source, share, task.period)

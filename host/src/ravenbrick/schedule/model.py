@@ -97,7 +97,8 @@ class Task:
     Gorinsky, Mok 1999); `wcet` is then the longest, `period` the least separation and `deadline`
     the shortest one, so what does not know of frames is pessimistic. `bcet` is the least execution
     time of a job, `wcet_high` the longest one of a task of high criticality when it takes longer
-    than `wcet`.
+    than `wcet`. If the jobs of a task with a phase take different times in turn, `turns` are the
+    longest of each, the one at the phase first; what does not know of them takes `wcet`.
     """
 
     name: str
@@ -114,6 +115,7 @@ class Task:
     frames: tuple[Frame, ...] = ()
     bcet: Time = 0
     wcet_high: Time | None = None
+    turns: tuple[Time, ...] = ()
 
     def __post_init__(self) -> None:
         """Make the times exact and refuse what means nothing."""
@@ -127,6 +129,8 @@ class Task:
             self._set(name, _time(getattr(self, name), self.name, name, positive=False))
         if self.bcet > min([self.wcet, *(frame.wcet for frame in self.frames)]):
             self._refuse("bcet", f"is {self.bcet}, more than the execution time of a job")
+        if max(self.turns, default=0) > self.wcet:
+            self._refuse("turns", f"has {max(self.turns)}, more than the execution time of a job")
         if self.wcet_high is not None:
             self._set("wcet_high", _time(self.wcet_high, self.name, "wcet_high", positive=True))
             if self.wcet_high < self.wcet:

@@ -37,6 +37,21 @@ __all__ = [
 LONGEST_REPETITION = 10_000
 
 
+def _execution(source: Source, first: int, jobs: int) -> Time:
+    """Of so many jobs of a phased source, from one with a number from the phase on."""
+    turns = source.task.turns
+    if not turns:
+        return jobs * source.execution
+    whole, rest = divmod(jobs, len(turns))
+    more = sum(turns[(first + number) % len(turns)] for number in range(rest))
+    return jobs * (source.execution - source.task.wcet) + whole * sum(turns) + more
+
+
+def _repeating(task: Task) -> Time:
+    """After how long a phased task's jobs come and take their times again."""
+    return task.period * (len(task.turns) or 1)
+
+
 @dataclass(frozen=True)
 class _Candidate:
     """A busy period that starts at `begin` and the load that it meets."""
@@ -52,7 +67,7 @@ class _Candidate:
             return source, *source.work(length)
         first = ceiling(self.begin - jitter - task.phase, task.period)
         jobs = ceiling(self.begin + length - task.phase, task.period) - first
-        return source, jobs, jobs * source.execution
+        return source, jobs, _execution(source, first, jobs)
 
     def arrival(self, number: int) -> Time:
         """Arrival of the task's own job `number` of the busy period, from its start."""
@@ -73,6 +88,8 @@ class _Candidate:
             else:
                 first = ceiling(self.begin - jitter - task.phase, task.period)
                 count = (self.begin - task.phase) // task.period + 1 - first
+                total += _execution(source, first, count) + count * source.overhead
+                continue
             total += count * (source.execution + source.overhead)
         return total
 
@@ -177,7 +194,9 @@ class _Signatures:
         found = [(phase, *released) for released, phase in clock]
         releases = [(source.task, source.jitter) for source in window.sources]
         for task, jitter in [*releases, (window.task, window.jitter)]:
-            found.append((task.phase, task.period, jitter))
+            for turn in range(len(task.turns) or 1):
+                phase = None if task.phase is None else task.phase + turn * task.period
+                found.append((phase, _repeating(task), jitter))
         self._phased = [(p, t, j) for p, t, j in dict.fromkeys(found) if p is not None]
 
     def of(self, begin: Time, left_out: LeftOut) -> tuple[object, ...]:
@@ -202,11 +221,12 @@ def _worst_of_kinds(worst: Worst, beginning: Beginning, known: Known) -> Worst:
         task, kinds = source.task, known.kinds.get(source.task.name, ())
         if task.phase is None or not kinds or candidate.window.task.period < task.period:
             continue
-        if (candidate.begin - source.jitter - task.phase) % task.period:
+        number, apart = divmod(candidate.begin - source.jitter - task.phase, task.period)
+        if apart:
             continue
         each: list[Worst] = []
         for kind in kinds:
-            window = beginning.with_kind(candidate.window, task, kind)
+            window = beginning.with_kind(candidate.window, task, kind, int(number))
             chosen = replace(candidate, window=window)
             found = chosen.worst(STEP_LIMIT)
             if found is not None and found[2] <= task.period - source.jitter:
@@ -223,7 +243,7 @@ def _worst_terms(
     than `longest`; None where phases do not help."""
     window = window_of(task_set, task, overheads)
     involved = [task, *(source.task for source in window.sources)]
-    phased = [each.period for each in involved if each.phase is not None]
+    phased = [_repeating(each) for each in involved if each.phase is not None]
     framed = any(each.frames for each in involved)
     if not phased or framed or window.utilization > 1:
         return None

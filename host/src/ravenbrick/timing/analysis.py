@@ -31,13 +31,14 @@ from ravenbrick.timing.environment_stack import (
     EnvironmentStack,
     environment_stack,
 )
-from ravenbrick.timing.facts.counted_facts import CountedFact, counted_facts
+from ravenbrick.timing.facts.counted_facts import CountedFact, counted_facts, turn_facts
 from ravenbrick.timing.facts.facts import Facts, KindOfJob, Mode, annotations_of
 from ravenbrick.timing.facts.source_facts import source_facts
 from ravenbrick.timing.initial_state import (
     ENVIRONMENT,
     ProtectedObject,
     attached_handlers,
+    executed_bodies,
 )
 from ravenbrick.timing.ipet import longest_path
 from ravenbrick.timing.kernel import (
@@ -122,7 +123,7 @@ class Analysis:
     handlers_stack_bytes: int = 0
     environment: EnvironmentStack = NO_ENVIRONMENT
     requests: tuple[Request, ...] = ()
-    kinds: tuple[tuple[KindOfJob, int], ...] = ()
+    kinds: tuple[tuple[KindOfJob, int, tuple[int, ...]], ...] = ()
     outside: frozenset[str] = frozenset()
 
     @property
@@ -229,7 +230,7 @@ def _executions(
     """
 
     def executions(jobs: Jobs, kinds: Kinds, dispatch: int) -> Executions:
-        each = [(kind, bound.cycles) for kind, bound in kinds]
+        each = [(kind, bound.cycles, turns) for kind, bound, turns in kinds]
         return Executions(longest_kinds(jobs, kinds, facts), each, dispatch)
 
     found = [executions(jobs, of_jobs.kinds(stated), 0)]
@@ -312,10 +313,11 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
     costs = interrupt_costs(image, attached, releasing, timing)
     alarm = alarm_costs(image, costs[0], releasing, periods_us(tasks))
     events = event_costs(image, costs[0], expiring, facts, annotations)
+    executed = executed_bodies(brick, image)
     background = background_of(
-        robot, image, brick, partial(body_of, image, facts), annotations, timing
+        robot, image, brick, partial(body_of, image, executed), annotations, timing
     )
-    of_jobs = JobsOfTasks(image, facts, tasks, annotations, timing)
+    of_jobs = JobsOfTasks(image, facts, tasks, annotations, timing, executed)
     jobs = of_jobs.bounds(paths=True)
     stuck = [(task, job) for task, job in jobs if job.endless is not None]
     if stuck:
@@ -376,7 +378,7 @@ def _counted(
     files = {facts.name, facts.of_jobs[0], "pragma Annotate", DISPATCH_TABLES}
     files |= {name for name, _ in facts.shared}
     known = [*annotations, facts.of_jobs]
-    found = counted_facts(image.content, roots, known, files)
+    found = counted_facts(image.content, roots, known, files) + turn_facts(image, facts)
     for mode in facts.modes:
         name = facts.mode_file(mode.name)
         stated = [*known, (name, mode.annotations)]

@@ -9,6 +9,7 @@ ceilings are constants in the calls that set up protected objects.
 
 from __future__ import annotations
 
+import json
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ __all__ = [
     "ProtectedObject",
     "attached_handlers",
     "elaborated",
+    "executed_bodies",
     "initializers",
     "main_rests",
     "object_words",
@@ -43,6 +45,8 @@ DELAYED, TERMINATED = 2, 5
 WAKE = struct.Struct("<q")
 WAKE_OFFSET = 40
 NEVER = 2**63 - 2
+# How GNAT ends the symbols of bodies of single tasks and of task types.
+BODIES = ("TKB", "TB")
 HANDLERS = "ravenbrick__interrupts__handlers"
 HANDLER = struct.Struct("<IIiI")
 SOURCE_COUNT = 32
@@ -89,9 +93,24 @@ class ProtectedObject:
 def elaborated(robot: Robot, scenario: Scenario, image: ElfImage) -> Any:
     """A brick on which the program has been elaborated and its tasks have begun; errors as
     `VirtualTarget.run`."""
-    brick = VirtualTarget().prepare(robot, scenario, image)
+    begins = (image.symbols[name].address & ~1 for name in _bodies(image))
+    points = json.dumps([{"kind": "place", "addresses": [begin]} for begin in begins])
+    brick = VirtualTarget(flow_points=points).prepare(robot, scenario, image)
     brick.run_until(MASTER_CLOCK.cycles_of_ms(min(ELABORATED_MS, scenario.duration_ms)))
     return brick
+
+
+def _bodies(image: ElfImage) -> list[str]:
+    """Symbols of all bodies of tasks."""
+    return sorted(name for name in image.symbols if name.endswith(BODIES))
+
+
+def executed_bodies(brick: Any, image: ElfImage) -> dict[str, str]:
+    """The body of each task that has begun on an `elaborated` brick, by its name in lower case."""
+    names = [thread.name.lower() for thread in brick.threads()]
+    counts = zip(_bodies(image), json.loads(brick.flow_counts()), strict=True)
+    begun = ((arrival["thread"], body) for body, each in counts for arrival in each["arrivals"])
+    return {names[thread]: body for thread, body in begun if thread is not None}
 
 
 def main_rests(brick: Any) -> bool:

@@ -15,7 +15,7 @@ use crate::memory::ChipMemory;
 use crate::threads::Memory;
 
 /// Most arrivals that are kept for a point.
-const ARRIVALS_MAX: usize = 1000;
+const ARRIVALS_MAX: usize = 100_000;
 
 /// Activations of the function within which a fact holds.
 fn activations_of(point: &FlowPoint) -> Option<FlowPoint> {

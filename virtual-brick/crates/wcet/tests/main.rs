@@ -11,6 +11,7 @@ mod critical_sections;
 mod flow_facts;
 mod interworking;
 mod loop_forms;
+mod random_waits;
 mod refusals;
 mod requests;
 mod soundness;

@@ -42,7 +42,6 @@ OWN_TABLES = frozenset(
         "timing_event",
         "transfer",
         "suspension",
-        "body",
         "chain",
         "mode",
         "flow",
@@ -50,6 +49,7 @@ OWN_TABLES = frozenset(
         "common_release",
         "request",
         "job_kind",
+        "jobs_in_turn",
     }
 )
 OUTSIDE_COSTS = ("task", "period_us")
@@ -177,6 +177,22 @@ class KindOfJob:
 
 
 @dataclass(frozen=True)
+class JobsInTurn:
+    """Jobs of `task` in turn, the first at a common release: one of turn n does not execute the
+    subprograms `never[n]`."""
+
+    task: str
+    never: tuple[tuple[str, ...], ...]
+    reason: str
+    file: str = TIMING_FILE
+
+    def annotations(self, turn: int) -> tuple[str, str]:
+        """Name and text of what a job of this turn leaves out."""
+        rows = [{"symbol": symbol} for symbol in self.never[turn]]
+        return f"{self.file}, turn {turn + 1} of {self.task}", annotations_of({"never": rows})
+
+
+@dataclass(frozen=True)
 class Mode:
     """How the program runs most of the time: `annotations` and the rates of `interrupts` hold only
     then."""
@@ -208,7 +224,6 @@ class Facts:
     transfers: tuple[TransferLoad, ...] = ()
     suspensions: tuple[Suspension, ...] = ()
     operations: tuple[Operation, ...] = ()
-    bodies: tuple[tuple[str, str], ...] = ()
     chains: tuple[Chain, ...] = ()
     modes: tuple[Mode, ...] = ()
     flows: tuple[FlowFact, ...] = ()
@@ -216,6 +231,7 @@ class Facts:
     in_jobs: Mapping[str, int] = field(default_factory=dict)
     requests: tuple[RequestedInterrupts, ...] = ()
     kinds: tuple[KindOfJob, ...] = ()
+    turns: tuple[JobsInTurn, ...] = ()
 
     @property
     def name(self) -> str:
@@ -235,6 +251,12 @@ class Facts:
         """The suspension of a task, if the file states one."""
         named = (found for found in self.suspensions if found.task.lower() == task.lower())
         return next(named, None)
+
+    def in_turn(self, task: str) -> JobsInTurn | None:
+        """The turns of a task's jobs, if they are stated and the task keeps a common release."""
+        named = (found for found in self.turns if found.task.lower() == task.lower())
+        kept = task.lower() in self.together and task.lower() not in self.in_jobs
+        return next(named, None) if kept else None
 
     def outside_of(self, task: str) -> tuple[OutsideLoad, ...]:
         """What jobs of a task without a deadline cost others."""
@@ -293,7 +315,7 @@ def annotations_of(tables: dict[str, list[dict[str, Any]]]) -> str:
 def _check_tasks(document: LocatedToml, robot: Robot) -> None:
     named: list[tuple[KeyPath, str]] = [
         ((table, index, "task"), row["task"])
-        for table in ("suspension", "body", "interrupt", "job_kind", "outside")
+        for table in ("suspension", "interrupt", "job_kind", "jobs_in_turn", "outside")
         for index, row in enumerate(document.values.get(table, []))
         if "task" in row
     ]
@@ -373,6 +395,15 @@ def _interrupts(
     )
 
 
+def _turns(documents: Sequence[LocatedToml], robot: Robot) -> tuple[JobsInTurn, ...]:
+    return tuple(
+        JobsInTurn(row["task"], tuple(map(tuple, row["never"])), row["reason"], str(document.path))
+        for document in documents
+        for row in document.values.get("jobs_in_turn", [])
+        if robot.task(row["task"]) is not None
+    )
+
+
 def _annotations(document: LocatedToml) -> str:
     values = document.values
     return annotations_of({key: rows for key, rows in values.items() if key not in OWN_TABLES})
@@ -430,7 +461,6 @@ def read_facts(robot: Robot) -> Facts:
             for row in rows("suspension")
             if "symbol" in row
         ),
-        tuple((row["task"].lower(), row["symbol"]) for row in rows("body")),
         tuple(_chain(row) for row in rows("chain")),
         tuple(_mode(row, path, robot) for row, path in reversed(modes.values())),
         tuple(
@@ -460,4 +490,5 @@ def read_facts(robot: Robot) -> Facts:
             for row in document.values.get("job_kind", [])
             if robot.task(row["task"]) is not None
         ),
+        _turns(documents, robot),
     )

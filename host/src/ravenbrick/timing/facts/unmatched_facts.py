@@ -19,7 +19,7 @@ REMEDY = "; correct it, or remove the fact"
 # Tables of places by the name that the execution-time analysis has for them.
 PLACES = {"loop": "loop", "call": "call", "never": "never", "outside": "avoided"}
 PLACES |= {"recursion": "recursion"}
-NAMING_ONE = ("suspension", "body", "flow")
+NAMING_ONE = ("suspension", "flow")
 
 
 def _unmatched(elf: bytes, name: str, files: dict[str, str]) -> list[dict[str, Any]]:
@@ -69,6 +69,12 @@ def _check_names(document: LocatedToml, image: ElfImage) -> None:
             if name not in image.symbols:
                 problem = f"the image has no function '{name}'{REMEDY}"
                 raise document.error(("job_kind", index, "never", place), problem)
+    for index, row in enumerate(document.values.get("jobs_in_turn", [])):
+        for turn, names in enumerate(row["never"]):
+            for place, name in enumerate(names):
+                if name not in image.symbols:
+                    problem = f"the image has no function '{name}'{REMEDY}"
+                    raise document.error(("jobs_in_turn", index, "never", turn, place), problem)
     for table in ("interrupt", "transfer"):
         for index, row in enumerate(document.values.get(table, [])):
             if "unit" in row and not has_unit(image, row["unit"]):

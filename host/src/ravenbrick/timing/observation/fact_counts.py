@@ -22,6 +22,7 @@ from ravenbrick.timing.facts.counted_facts import CountedFact
 from ravenbrick.timing.facts.facts import Facts, InterruptLoad
 from ravenbrick.timing.observation.job_facts import (
     FactCount,
+    common_release,
     have_deadline,
     request_counts,
     rest_counts,
@@ -66,7 +67,7 @@ class _Run:
 
     def __init__(self, robot: Robot, recording: Recording) -> None:
         self.since = cyclic_begin_cycles(robot, recording)
-        self._robot, self._recording = robot, recording
+        self._robot, self.recording = robot, recording
         kinds = (EventKind.INTERRUPT_ENTERED, EventKind.INTERRUPT_LEFT)
         events = recording.of_kind(*kinds)
         self._at = events["at_cycles"].astype(np.int64)
@@ -85,7 +86,7 @@ class _Run:
 
     def job(self, thread: int, at: int) -> tuple[int, Job] | None:
         """The job of a thread at an instant with its number, from 1."""
-        jobs = jobs_of(self._recording, thread)
+        jobs = jobs_of(self.recording, thread)
         numbered = [(n, job) for n, job in enumerate(jobs, 1) if job.release_cycles <= at]
         if not numbered:
             return None
@@ -95,18 +96,18 @@ class _Run:
 
     def is_cyclic(self, thread: int) -> bool:
         """Does the end of a delay release this thread's task?"""
-        task = self._robot.task(self._recording.threads[thread].name)
+        task = self._robot.task(self.recording.threads[thread].name)
         return task is not None and task.release == "cyclic"
 
     def in_a_job_with_deadline(self, thread: int | None, at: int) -> bool:
         """Is a task in a job with a deadline, not in a handler?"""
         if thread is None or self.handler(at) is not None:
             return False
-        task = self._robot.task(self._recording.threads[thread].name)
+        task = self._robot.task(self.recording.threads[thread].name)
         found = self.job(thread, at)
         if task is None or task.release == "background" or found is None:
             return False
-        releases = [job.release_cycles for job in jobs_of(self._recording, thread)]
+        releases = [job.release_cycles for job in jobs_of(self.recording, thread)]
         kept = have_deadline(task, np.array(releases, np.int64), {task.name})
         return bool(kept[found[0] - 1])
 
@@ -118,7 +119,7 @@ class _Run:
             return f"{when}, in the handler of {source}"
         if thread is None:
             return when
-        name, found = self._recording.threads[thread].name, self.job(thread, at)
+        name, found = self.recording.threads[thread].name, self.job(thread, at)
         return f"{when}, {name}" if found is None else f"{when}, job {found[0]} of {name}"
 
 
@@ -150,6 +151,28 @@ def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: dict[str, 
     units = {"never": executions, "avoided": executions, "recursion": " activations"}
     numbers = f"declared {fact.declared}, seen {seen}{units.get(fact.table, '')}"
     return replace(found, seen=seen, excess=f"{numbers} {where}")
+
+
+def _turn_count(
+    run: _Run, robot: Robot, facts: Facts, fact: CountedFact, count: dict[str, Any]
+) -> FactCount:
+    """How often jobs of a turn execute what they do not."""
+    assert fact.turn is not None
+    (turn, name), common = fact.turn, common_release(facts, run.recording)
+    stated, task = facts.in_turn(name), robot.task(name)
+    assert stated is not None and task is not None
+    thread = run.recording.thread_index(name)
+    at = np.array([a["at_cycles"] for a in count["arrivals"] if a["thread"] == thread], np.int64)
+    release = np.array([job.release_cycles for job in jobs_of(run.recording, thread)], np.int64)
+    latest = release[np.searchsorted(release, at, side="right") - 1]
+    period = float(MASTER_CLOCK.hertz * (task.period_us or 0) / 1_000_000)
+    number = np.round((latest - common) / period).astype(np.int64)
+    wrong = at[(number % len(stated.never) == turn) & (at >= run.since)]
+    found = FactCount(fact.fact, fact.place, 0, int(wrong.size))
+    if not wrong.size:
+        return found
+    excess = f"a job of turn {turn + 1} executes {fact.place} {run.words(thread, int(wrong[0]))}"
+    return replace(found, excess=excess)
 
 
 def _rate(run: _Run, fact: str, place: str, limits: tuple[int, int], at: Cycles) -> FactCount:
@@ -271,6 +294,8 @@ def fact_counts(
     run = _Run(robot, recording)
     flow = [
         _flow_count(run, image, fact, count)
+        if fact.turn is None
+        else _turn_count(run, robot, facts, fact, count)
         for fact, count in zip(counted, recording.flow_counts, strict=True)
     ]
     return [

@@ -25,6 +25,7 @@ from ravenbrick.trace.schedule import all_jobs, jobs_of, stretches
 __all__ = [
     "TOLERANCE_CYCLES",
     "FactCount",
+    "common_release",
     "have_deadline",
     "request_counts",
     "rest_counts",
@@ -71,12 +72,18 @@ def _releases(recording: Recording, task: str) -> Cycles:
     return np.array([job.release_cycles for job in jobs[1:]], np.int64)
 
 
+def common_release(facts: Facts, recording: Recording) -> int:
+    """The last of the first releases of the tasks with a common release."""
+    releases = [_releases(recording, name) for name in facts.together]
+    return max((int(at[0]) for at in releases if at.size), default=0)
+
+
 def together_counts(robot: Robot, facts: Facts, recording: Recording) -> list[FactCount]:
     """How far releases of the tasks with a common release are from whole periods after the last of
     their first ones, or from so long behind these: then of jobs, after which a task keeps its
     period."""
     releases = {name: _releases(recording, name) for name in sorted(facts.together)}
-    common = max((int(at[0]) for at in releases.values() if at.size), default=0)
+    common = common_release(facts, recording)
     for name in sorted(facts.in_jobs):
         at = _releases(recording, name)
         releases[name] = at[have_deadline(robot.task(name), at, {name})]

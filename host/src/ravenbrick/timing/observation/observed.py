@@ -251,13 +251,13 @@ def check_job_kinds(
 ) -> None:
     """Raise `ExecutionTimeError` for a job that is of no kind that the facts state: it takes more
     than the bound of each, or more interrupts come until the next release."""
-    names = {kind.task for kind, _ in analysis.kinds}
+    names = {kind.task for kind, _, _ in analysis.kinds}
     since = cyclic_begin_cycles(robot, recording)
     for found in task_dynamics(robot, recording):
         task = robot.task(found.name)
         if task is None or task.name not in names:
             continue
-        kinds = [(kind, cycles) for kind, cycles in analysis.kinds if kind.task == task.name]
+        kinds = [(kind, most) for kind, most, _ in analysis.kinds if kind.task == task.name]
         chosen = _operating(robot, recording, found.name, since, analysis.outside)
         own = _net_execution_times(recording, found, transfer_cycles)[chosen]
         release = _completed(recording, found.name)[1][chosen]

@@ -109,7 +109,7 @@ def source_lines(content: bytes) -> dict[str, list[str]]:
 
 def _ada_name(symbol: str) -> str:
     """A name as people know it: GNAT's separators and the ending of task bodies taken away."""
-    return symbol.removesuffix("TKB").strip("_").replace("__", ".")
+    return symbol.removesuffix("TKB").removesuffix("TB").strip("_").replace("__", ".")
 
 
 def _line(place: str | None, symbol: str, address: int, sources: Sources) -> PathLine:

@@ -5,15 +5,15 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ravenbrick.errors import DeadlineError
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Task
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
-from ravenbrick.timing.facts.facts import TIMING_FILE, Facts, KindOfJob
+from ravenbrick.timing.facts.facts import Facts, KindOfJob
 from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.timing.task_set.background import endless_words, main_symbol
 from ravenbrick.timing.task_set.scheduled_tasks import WAITS
@@ -22,41 +22,43 @@ from ravenbrick.timing.task_set.suspension import joined_releases
 Annotations = Sequence[tuple[str, str]]
 """Texts of facts about code, with the names of their files."""
 Jobs = list[tuple[Task, Bound]]
-Kinds = Sequence[tuple[KindOfJob, Bound]]
+Kinds = Sequence[tuple[KindOfJob, Bound, tuple[int, ...]]]
+"""Kinds of jobs with their bounds, and the bounds of each turn, if there are any."""
 
 
-def body_of(image: ElfImage, facts: Facts, task: Task) -> str:
-    """Symbol of a task's body. Raises `ExecutionTimeError` when it cannot be told."""
-    named = dict(facts.bodies).get(task.name.lower())
-    if named is not None:
-        return named
+def body_of(image: ElfImage, executed: Mapping[str, str], task: Task) -> str:
+    """Symbol of a task's body: the one that it began to execute, if it has begun, else the only
+    one with its name. Raises `ExecutionTimeError` when it cannot be told."""
     if task.name == ENVIRONMENT:
         return main_symbol(image)
-    end = f"__{task.name.lower()}TKB"
-    found = sorted(name for name in image.symbols if name.endswith(end))
+    name = task.name.lower()
+    if name in executed:
+        return executed[name]
+    found = [symbol for symbol in image.symbols if symbol.endswith(f"__{name}TKB")]
     if len(found) == 1:
         return found[0]
     raise ExecutionTimeError(
-        f"the image has {len(found)} bodies for the task '{task.name}'; name the subprogram in "
-        f'{TIMING_FILE}: [[body]] task = "{task.name}", symbol = "..."'
+        f"the image has {len(found)} bodies with the name of the task '{task.name}', and it does "
+        "not begin with the others; declare it as a single task with another name"
     )
 
 
 @dataclass(frozen=True)
 class JobsOfTasks:
     """Bounds of the jobs of these tasks, with what is known of their code; `timing` is a profile of
-    the timing that no document fixes."""
+    the timing that no document fixes, `executed` the bodies that tasks began to execute."""
 
     image: ElfImage
     facts: Facts
     tasks: Sequence[Task]
     annotations: Annotations
     timing: str
+    executed: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def bodies(self) -> list[str]:
         """Symbols of the tasks' bodies."""
-        return [body_of(self.image, self.facts, task) for task in self.tasks]
+        return [body_of(self.image, self.executed, task) for task in self.tasks]
 
     @property
     def questions(self) -> list[JobQuestion]:
@@ -137,8 +139,15 @@ class JobsOfTasks:
         for kind in self.facts.kinds:
             if kind.task in questions:
                 own = (f"{kind.file}, kind of job '{kind.name}'", kind.annotations)
-                asked = self._asked([questions[kind.task]], [*stated, own], paths=not stated)
-                found.append((kind, asked[0]))
+                turns = self.facts.in_turn(kind.task)
+                count = 0 if turns is None else len(turns.never)
+                more = [[turns.annotations(turn)] for turn in range(count)] if turns else [[]]
+                asked = [
+                    self._asked([questions[kind.task]], [*stated, own, *each], not stated)[0]
+                    for each in more
+                ]
+                cycles = tuple(bound.cycles for bound in asked)[:count]
+                found.append((kind, max(asked, key=lambda bound: bound.cycles), cycles))
         return found
 
 
@@ -154,7 +163,7 @@ def longest_kinds(jobs: Jobs, kinds: Kinds, facts: Facts) -> Jobs:
     found = []
     for task, job in jobs:
         if _kinds_bound(task, facts):
-            own = (bound for kind, bound in kinds if kind.task == task.name)
+            own = (bound for kind, bound, _ in kinds if kind.task == task.name)
             longest = max(own, key=lambda bound: bound.cycles)
             if longest.cycles < job.cycles:
                 path, report = longest.path, longest.report

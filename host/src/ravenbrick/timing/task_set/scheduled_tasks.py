@@ -106,7 +106,7 @@ class Executions:
     of a more urgent task pays for one."""
 
     jobs: Sequence[tuple[Task, Bound]]
-    kinds: Sequence[tuple[KindOfJob, int]] = ()
+    kinds: Sequence[tuple[KindOfJob, int, tuple[int, ...]]] = ()
     dispatch: int = 0
 
 
@@ -298,12 +298,15 @@ def scheduled_bounds(
     stands_in = {task.name for task in outside.values()}
     every = response_time_bounds(task_set, overheads)
     bounds = {b.task.name: b for b in every if b.task.name not in stands_in}
-    sets = {}
+    sets, kinds = {}, _job_kinds(executions, facts, tasks, changed)
     for timing in sorted(timings, key=lambda each: -each.task.priority):
         special = interrupts_seen_by(timing.task.name, interrupts, costs, facts)
         others = _seen_by(timing, timings, tasks, bounds, changed)
         met = [*phased_in_jobs(timing, timings, others or tasks, facts), *more]
-        met = [_paying(task, dispatch) if task.name != timing.task.name else task for task in met]
+        met = [
+            task if task.name == timing.task.name else _in_turn(_paying(task, dispatch), kinds)
+            for task in met
+        ]
         beside = {
             name: _paying(changed(task), dispatch)
             for name, task in outside.items()
@@ -319,7 +322,7 @@ def scheduled_bounds(
     enough = change is not None and all(bound.meets_deadline for bound in bounds.values())
     if facts.together and not more and not suspended and not enough:
         requests = requests_of(facts, costs, below)
-        known = Known({}, requests, kinds=_job_kinds(executions, facts, tasks, changed))
+        known = Known({}, requests, kinds=kinds)
         given = (bounds, known, cause)
         timings, closer = with_common_release(timings, sets, overheads, *given, change is None)
         bounds |= closer
@@ -390,15 +393,27 @@ def _job_kinds(
     source."""
     by_name = {task.name: task for task in tasks}
     found: dict[str, tuple[JobKind, ...]] = {}
-    for kind, cycles in executions.kinds:
+    for kind, cycles, turns in executions.kinds:
         most = tuple(
             (source_name(source), exact(Fraction(at_most, facts.loads(source)[0].at_most)))
             for source, at_most in kind.most
             if facts.loads(source)
         )
-        longest = change(replace(by_name[kind.task], wcet=cycles)).wcet + executions.dispatch
-        found[kind.task] = (*found.get(kind.task, ()), JobKind(longest, most))
+        longest, *each = (
+            change(replace(by_name[kind.task], wcet=wcet)).wcet + executions.dispatch
+            for wcet in (cycles, *turns)
+        )
+        found[kind.task] = (*found.get(kind.task, ()), JobKind(longest, most, tuple(each)))
     return found
+
+
+def _in_turn(task: ScheduledTask, kinds: Mapping[str, Sequence[JobKind]]) -> ScheduledTask:
+    """A task as others meet it, with the longest of its kinds in each turn of its jobs."""
+    turns = [kind.turns for kind in kinds.get(task.name, ())]
+    if task.phase is None or not turns or not all(turns):
+        return task
+    longest = (min(task.wcet, max(each)) for each in zip(*turns, strict=True))
+    return replace(task, turns=tuple(longest))
 
 
 def requests_of(

@@ -4,6 +4,7 @@
 
 use arm7tdmi::{psr, Abort, Bus, Cpu, Cycle, Width};
 use image::Image;
+use std::ops::ControlFlow;
 
 const BASE: u32 = 0x20_0000;
 const SIZE: usize = 0x20_0000;
@@ -116,6 +117,12 @@ impl Machine {
         address | u32::from(thumb)
     }
 
+    /// Size of a function in bytes.
+    pub fn size(&self, symbol: &str) -> u32 {
+        let address = self.address(symbol) & !1;
+        self.image.symbols().functions()[&address].size
+    }
+
     pub fn set_word(&mut self, address: u32, value: u32) {
         let start = (address - BASE) as usize;
         self.memory.bytes[start..start + 4].copy_from_slice(&value.to_le_bytes());
@@ -174,6 +181,19 @@ impl Machine {
         steps
     }
 
+    /// Begins a function that need not return: each instruction before it is executed, with the
+    /// cycles so far, until it says that it is enough.
+    pub fn follow(&mut self, symbol: &str, mut before: impl FnMut(&Cpu, u64) -> ControlFlow<()>) {
+        let mut cpu = self.at(symbol, [0; 4]);
+        while before(&cpu, self.memory.cycles).is_continue() {
+            assert!(
+                self.memory.cycles < PATIENCE,
+                "{symbol} is not followed to an end"
+            );
+            let _ = cpu.step(&mut self.memory);
+        }
+    }
+
     /// Calls a function and counts from its first instruction to the end of its return.
     pub fn call(&mut self, symbol: &str, arguments: [u32; 4]) -> Observation {
         self.run(symbol, arguments, PATIENCE, |_, _| {})
@@ -191,18 +211,7 @@ impl Machine {
         limit: u64,
         mut before: impl FnMut(u32, u32),
     ) -> Observation {
-        let address = self.address(symbol);
-        let mut cpu = Cpu::new();
-        if address & 1 != 0 {
-            cpu.set_cpsr(cpu.cpsr() | psr::T);
-        }
-        for (number, value) in (0..).zip(arguments) {
-            cpu.set_register(number, value);
-        }
-        cpu.set_register(13, STACK);
-        cpu.set_register(14, STOP | (address & 1));
-        cpu.set_pc(address & !1);
-        self.memory.cycles = 0;
+        let mut cpu = self.at(symbol, arguments);
         let mut lowest = STACK;
         while cpu.next_instruction_address() != STOP {
             before(cpu.next_instruction_address(), cpu.register(13));
@@ -220,5 +229,22 @@ impl Machine {
             result: cpu.register(0),
             stack_bytes: STACK - lowest,
         }
+    }
+
+    /// The core before the first instruction of a function.
+    fn at(&mut self, symbol: &str, arguments: [u32; 4]) -> Cpu {
+        let address = self.address(symbol);
+        let mut cpu = Cpu::new();
+        if address & 1 != 0 {
+            cpu.set_cpsr(cpu.cpsr() | psr::T);
+        }
+        for (number, value) in (0..).zip(arguments) {
+            cpu.set_register(number, value);
+        }
+        cpu.set_register(13, STACK);
+        cpu.set_register(14, STOP | (address & 1));
+        cpu.set_pc(address & !1);
+        self.memory.cycles = 0;
+        cpu
     }
 }
