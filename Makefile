@@ -52,7 +52,11 @@ TOGETHER = $(MAKE) --no-print-directory --jobs=$(JOBS) --keep-going --output-syn
 
 .PHONY: test
 test: develop ## Run all tests
-	@$(TOGETHER) test-rust test-page $(PYTHON_GROUPS) style
+	@$(TOGETHER) $(TEST_GROUPS)
+
+.PHONY: ci
+ci: develop docs-packages ## What CI runs: all tests, and beside them the site with some bricks
+	@$(TOGETHER) docs-site $(TEST_GROUPS) BRICKS="$(CI_BRICKS)"
 
 .PHONY: style
 style: ## Check style, types, spelling, borders between the parts, and generated tables
@@ -72,6 +76,7 @@ test-rust: ## Tests of the virtual brick's crates
 
 # The longest first, and those that wait for links and clocks before those that compute.
 PYTHON_GROUPS := test-brick test-host test-commands test-control test-tools
+TEST_GROUPS = test-rust test-page $(filter-out test-tools,$(PYTHON_GROUPS)) style test-tools
 .PHONY: test-python built $(PYTHON_GROUPS)
 test-python: ## Tests of the host package, tools, run-time, drivers and examples
 	@$(TOGETHER) $(PYTHON_GROUPS)
@@ -108,16 +113,22 @@ bench: complete ## Benchmarks with peers; writes verification/benchmarks/results
 	@$(PYTHON) -m verification.run --benchmarks
 
 .PHONY: docs
-docs: setup ## Build the documentation site and the lab sheets as PDF in docs/_build
+docs: setup docs-packages ## Build the documentation site and the lab sheets as PDF in docs/_build
+	@$(TOGETHER) docs-site
+
+# A device, an example, and one that the steps of a sheet change.
+CI_BRICKS := devices-touch-picture blank-press lab06-share
+.PHONY: docs-packages docs-site docs-pages docs-sheets docs-bricks
+docs-packages: setup
 	@.venv/bin/pip install --quiet --disable-pip-version-check -r tools/requirements/docs.txt
-	@$(TOGETHER) docs-sheets docs-bricks
+
+docs-site: docs-sheets docs-bricks
 	@rm -rf docs/_build/html/_static/brick*
 	@cp -r docs/_build/bricks/. docs/_build/html
 	@$(PYTHON) -m tools.docs.site.offline docs/_build/html
 	@$(PYTHON) -m tools.docs.site_links docs/_build/html
 	@echo "docs/_build/html/index.html, docs/_build/lab-sheets.pdf"
 
-.PHONY: docs-pages docs-sheets docs-bricks
 docs-pages:
 	@env -u MAKEFLAGS $(PYTHON) -m sphinx -q -W --keep-going -b html docs docs/_build/html
 
@@ -125,8 +136,9 @@ docs-pages:
 docs-sheets: docs-pages
 	@env -u MAKEFLAGS $(PYTHON) -m tools.docs.sheets_pdf docs/_build/lab-sheets.pdf
 
+# All bricks, or those that BRICKS names.
 docs-bricks:
-	@env -u MAKEFLAGS $(PYTHON) -m tools.docs.site.build docs/_build/bricks
+	@env -u MAKEFLAGS $(PYTHON) -m tools.docs.site.build docs/_build/bricks $(BRICKS)
 
 .PHONY: teaching
 teaching: docs ## Build the lecturer's site, with slides, in docs/_build/teaching

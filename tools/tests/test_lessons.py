@@ -29,7 +29,7 @@ from tools.docs.lessons import (
 )
 from tools.docs.site.bricks import EXAMPLES, shown_on
 
-QUICK = ("03-identification.md", "12-ravenscar.md")
+QUICK = ("03-identification.md",)
 ALL = find([])
 PARTS = ["Goals", "Background", "Pre-lab", "Steps", "Experiment", "Results", "Discussion"]
 PARTS += ["Submission", "Going further", "On a real brick", "Sources"]

@@ -24,6 +24,7 @@ from ravenbrick.cli.exit_codes import exit_code_table
 from ravenbrick.cli.pipeline import built_file
 from ravenbrick.errors import ExitCode
 from ravenbrick.image import build
+from ravenbrick.image.design_script import adopt_design
 from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.recording import Recording
 
@@ -41,9 +42,10 @@ def brick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def complete(project: Path) -> Path:
-    """The project with all that it takes to design and 'build' it."""
+    """The project with all that it takes to 'build' it, or to design it again."""
     shutil.copy2(VEHICLE / "design.py", project)
     shutil.copytree(VEHICLE / "generated", project / "generated")
+    adopt_design(Workspace.of(project))
     write_recipe(project)
     return project
 

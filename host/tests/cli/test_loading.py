@@ -19,7 +19,8 @@ from ravenbrick.cli import VERSION_LINE
 from ravenbrick.cli.app import COMMANDS, ELSEWHERE, app
 
 FOLDER = Path(ravenbrick.cli.__file__).parent
-LIBRARIES = {"control", "matplotlib", "scipy.linalg", "scipy.optimize", "scipy.signal"}
+LIBRARIES = {"control", "matplotlib"}
+LIBRARIES |= {f"scipy.{name}" for name in ("linalg", "optimize", "signal", "sparse")}
 SLOW = LIBRARIES | {"scipy.interpolate", "rich", "jinja2", "jsonschema"}
 # Without what is only prepared to be loaded.
 NAMES = "(n for n, m in sys.modules.items() if m and type(m).__name__ != '_LazyModule')"

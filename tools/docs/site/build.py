@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The running bricks of the site: `python -m tools.docs.site.build FOLDER`.
+"""The running bricks of the site: `python -m tools.docs.site.build FOLDER [BRICK ...]`.
 
 Builds and analyses the image of every directive `brick`, runs it once natively, and writes one
 folder for each beside the page of `ravenbrick view`. Places with the same image share the folder.
@@ -130,11 +130,16 @@ def build_site(site: Path, bricks: Iterable[Shown]) -> None:
     _write(page, site / PAGE_FOLDER)
 
 
-def main(folder: str) -> int:
-    """Build the bricks of all pages."""
-    build_site(Path(folder), all_shown())
+def main(folder: str, *wanted: str) -> int:
+    """Build the bricks with these names, those of all pages without names."""
+    bricks = {shown.name: shown for shown in all_shown()}
+    unknown = sorted(set(wanted) - set(bricks))
+    if unknown:
+        print(f"no page has the brick '{unknown[0]}'; there are {', '.join(bricks)}")
+        return 1
+    build_site(Path(folder), [bricks[name] for name in wanted or bricks])
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(*sys.argv[1:]))

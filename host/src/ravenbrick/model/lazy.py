@@ -9,11 +9,14 @@ from importlib.util import LazyLoader, find_spec, module_from_spec
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-__all__ = ["control", "csgraph", "linalg", "optimize", "stats"]
+__all__ = ["control", "linalg", "optimize", "stats"]
 
 
 def _lazy_module(name: str) -> ModuleType:
-    """The module, of which nothing is executed before the first access to what is in it."""
+    """The module, of which nothing is executed before the first access to what is in it.
+
+    The package that holds it is loaded at once.
+    """
     if name in sys.modules:
         return sys.modules[name]
     spec = find_spec(name)
@@ -28,10 +31,8 @@ def _lazy_module(name: str) -> ModuleType:
 if TYPE_CHECKING:
     import control
     from scipy import linalg, optimize, stats
-    from scipy.sparse import csgraph
 else:
     control = _lazy_module("control")
-    csgraph = _lazy_module("scipy.sparse.csgraph")
     linalg = _lazy_module("scipy.linalg")
     optimize = _lazy_module("scipy.optimize")
     stats = _lazy_module("scipy.stats")

@@ -14,7 +14,6 @@ from ravenbrick.errors import DesignError
 from ravenbrick.model import program as ir
 from ravenbrick.model.diagram import DiagramError
 from ravenbrick.model.flattening import flattened, samples, with_shifts
-from ravenbrick.model.lazy import csgraph
 from ravenbrick.model.linearisation import linear_system
 from ravenbrick.model.number_format import Interval
 
@@ -275,9 +274,17 @@ def _unbounded(states: list[ir.Slot]) -> DesignError:
     )
 
 
+def _loops(edges: npt.NDArray[np.bool_]) -> tuple[int, npt.NDArray[np.int32]]:
+    """How many strongly connected components a graph has, and the component of each node."""
+    from scipy.sparse import csgraph  # slow to load
+
+    count, part = csgraph.connected_components(edges, connection="strong")
+    return int(count), part
+
+
 def _not_decaying(matrix: Array) -> list[int]:
     """The rows of the states that keep each other from decaying; what they drive is left out."""
-    count, part = csgraph.connected_components(matrix != 0.0, connection="strong")
+    count, part = _loops(matrix != 0.0)
     found: list[int] = []
     for number in range(count):
         rows = np.flatnonzero(part == number)
@@ -294,7 +301,7 @@ def _first_growing(program: ir.Program, growing: list[ir.Slot]) -> list[ir.Slot]
     for statement in ir.statements(program.statements):
         reads[key(statement.target)] = _read_by(statement.expression, reads)
     edges = np.array([[source in reads[target] for source in names] for target in names])
-    _, part = csgraph.connected_components(edges, connection="strong")
+    _, part = _loops(edges)
     driven = {part[target] for target, source in np.argwhere(edges) if part[target] != part[source]}
     return [slot for place, slot in enumerate(growing) if part[place] not in driven]
 
