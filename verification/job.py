@@ -19,7 +19,7 @@ from typing import Any
 
 from verification.built_examples import build_example
 from verification.commands import NoResultError, NotRunError, counts_of, function_of
-from verification.support.processor_time import processor_s
+from verification.processor_time import processor_s
 from verification.table import BENCHMARKS, Suite, read_suites
 
 __all__ = ["answer"]

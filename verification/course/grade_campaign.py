@@ -31,8 +31,8 @@ from ravenbrick.grading.submission import Submission, find_submissions
 from verification.benchmarks.figures import Figure
 from verification.commands import Counts
 from verification.course.attacks import COMPILER, FILES, Place
+from verification.processor_time import processor_s
 from verification.support.paths import ROOT
-from verification.support.processor_time import processor_s
 from verification.support.submissions import RUBRIC, variant, write_submission
 
 PAGE = ROOT / "docs" / "reference" / "grading-throughput.md"

@@ -30,8 +30,8 @@ from typing import Any
 from tools.docs import tables
 from verification.commands import Counts, NoResultError
 from verification.fuzz.targets import Target, targets
+from verification.processor_time import processor_s
 from verification.support.paths import ROOT
-from verification.support.processor_time import processor_s
 
 RESULTS = ROOT / "verification" / "fuzz" / "results.json"
 CORPUS = Path(__file__).resolve().parent / "corpus"
