@@ -96,6 +96,7 @@ class SnapshotFiles:
         return mutate_snapshot(numbers, content)
 
     def case(self, content: bytes) -> None:
+        self._path.unlink(missing_ok=True)  # ext4 writes at once what replaces old content
         self._path.write_bytes(content)
         with contextlib.suppress(SnapshotError):
             snapshot = Snapshot.load(self._path)
