@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import sys
 import time
 import traceback
@@ -20,15 +19,10 @@ from typing import Any
 
 from verification.built_examples import build_example
 from verification.commands import NoResultError, NotRunError, counts_of, function_of
+from verification.processor_time import processor_s
 from verification.table import BENCHMARKS, Suite, read_suites
 
 __all__ = ["answer"]
-
-
-def _processor_s() -> float:
-    """Of this process and of its children that have ended."""
-    usages = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
 def _result(suite: Suite, figures: bool) -> dict[str, Any]:
@@ -46,7 +40,7 @@ def answer(suite: Suite, figures: bool = False) -> dict[str, Any]:
 
     Beside what is absent, the counts that are `held` of an earlier `date`, if the suite has some.
     """
-    start, used = time.monotonic(), _processor_s()
+    start, used = time.monotonic(), processor_s()
     found: dict[str, Any]
     try:
         found = _result(suite, figures)
@@ -62,7 +56,7 @@ def answer(suite: Suite, figures: bool = False) -> dict[str, Any]:
         # A panic of the compiled module is not an `Exception`.
         traceback.print_exc()
         found = {"error": f"{type(error).__name__}: {error}"}
-    elapsed, processor = time.monotonic() - start, _processor_s() - used
+    elapsed, processor = time.monotonic() - start, processor_s() - used
     return {**found, "elapsed_s": round(elapsed, 1), "processor_s": round(processor, 1)}
 
 

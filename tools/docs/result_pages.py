@@ -196,8 +196,9 @@ to each target: first the target's corpus of valid input unchanged, then input m
 *finding* is a panic, an exception without a message, a peer that is no longer served, a record that
 cannot be replayed, more than 10 s for a file, or memory beyond its bound (512 MB of growth for each
 target, 1 GB in the Rust targets). The peers communicate with a brick that runs LEGO's firmware;
-after each hostile session a regular host must be served. Times and cases are those of all campaigns
-since the last finding.
+after each hostile session a regular host must be served. Times are seconds of a processor, so a
+campaign may run beside other work (`chrt --idle 0`). Times and cases are those of all campaigns
+since the last finding; of a campaign that is stopped, those of the targets that ended.
 """
 FUZZ_TAIL = """An input with a finding is kept in `build/fuzz/findings`, and
 `python -m verification.fuzz.campaign --repeat FILE` repeats it; a Rust target prints its seed, and
@@ -245,7 +246,7 @@ FOUND = (
 def fuzz_page(rows: list[Row]) -> str:
     """Targets with corpus, time, cases and findings."""
     lines = [HEAD + FUZZ_HEAD]
-    lines += [_row(["Target", "Input", "Corpus", "Time, s", "Cases", "Findings"])]
+    lines += [_row(["Target", "Input", "Corpus", "Processor, s", "Cases", "Findings"])]
     lines += ["|---|---|---:|---:|---:|---:|"]
     for row in rows:
         counts = [str(row[key]) for key in ("corpus", "seconds", "case_count", "findings")]

@@ -13,6 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.atomic_write import atomic_write
+
 from tools.docs.inference_page import inference_pages
 from tools.docs.mutation_page import mutation_page
 from tools.docs.result_pages import firmware_pages, fuzz_page, plant_page, witness_page
@@ -133,7 +135,7 @@ def merge_rows(path: Path, rows: list[Row], key: tuple[str, ...]) -> None:
 def write_rows(path: Path, rows: list[Row]) -> None:
     """One line of JSON for each row."""
     lines = ",\n".join(json.dumps(row, sort_keys=True) for row in rows)
-    path.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
+    atomic_write(path, f"[\n{lines}\n]\n")
 
 
 VERIFICATION, BENCHMARKS = ROOT / "verification", ROOT / "verification" / "benchmarks"

@@ -262,6 +262,24 @@ void hide(void) {
   thread[ravenbrick_thread_layout[8] / 4] += 420480;
   thread[ravenbrick_thread_layout[7] / 4] = 2;
 }"""
+# What the run-time writes for its caller may be words of its own, and its code may be replaced.
+_SAYS_IT_WAITS = """extern volatile unsigned *ravenbrick_running_thread;
+WRITE
+void hide(void) {
+  volatile unsigned *thread = ravenbrick_running_thread;
+  unsigned kept[3] = {thread[4], thread[5], thread[7]};
+  thread[10] += 420480;
+  write(thread);
+  thread[4] = kept[0]; thread[5] = kept[1]; thread[7] = kept[2];
+}"""
+_BY_SPLIT = """void ada__real_time__split(volatile void *to, unsigned long long time);
+static void write(volatile unsigned *thread) { ada__real_time__split(thread + 4, 2); }"""
+_BY_CODE = """extern unsigned ravenbrick_start_board[];
+static void write(volatile unsigned *thread) {
+  volatile unsigned *code = ravenbrick_start_board;
+  code[0] = 0xE5801000; code[1] = 0xE12FFF1E;  /* str r1, [r0]; bx lr */
+  ((void (*)(volatile unsigned *, unsigned)) code)(thread + 6, 2);
+}"""
 COMPILER = [
     Attack("linker-option", "pragma Linker_Options", _ada(
         'pragma Linker_Options ("-Wl,-plugin,src/evil.so");\n'), r"tasks.*linker option.*plugin"),
@@ -403,6 +421,10 @@ BRICK = [
     Attack("late", "a job that takes two periods", _late("void hide(void) {}"), "missed", 9),
     Attack("forged-state", "a late job that says it waits", _late(
         _WAITS), "only the run-time writes", 5),
+    Attack("borrowed-writer", "the same, written by a function of the run-time", _late(
+        _SAYS_IT_WAITS.replace("WRITE", _BY_SPLIT)), "only the run-time writes", 5),
+    Attack("replaced-code", "the same, written by code that replaces the run-time's", _late(
+        _SAYS_IT_WAITS.replace("WRITE", _BY_CODE)), "only the run-time writes", 5),
     Attack("moved-clock", "a late job after a restart of the clock", _late(
         "#define PIT_MR (*(volatile unsigned *)0xFFFFFD30)\n"
         "void hide(void) {\n  unsigned mode = PIT_MR;\n  PIT_MR = 0;\n"

@@ -14,7 +14,6 @@ import ctypes
 import importlib.util
 import json
 import os
-import resource
 import statistics
 import sys
 import tempfile
@@ -32,6 +31,7 @@ from ravenbrick.grading.submission import Submission, find_submissions
 from verification.benchmarks.figures import Figure
 from verification.commands import Counts
 from verification.course.attacks import COMPILER, FILES, Place
+from verification.processor_time import processor_s
 from verification.support.paths import ROOT
 from verification.support.submissions import RUBRIC, variant, write_submission
 
@@ -84,8 +84,7 @@ def processor_seconds() -> float:
     with suppress(ChildProcessError):
         while os.waitpid(-1, os.WNOHANG)[0]:
             pass
-    usages = (resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+    return processor_s()
 
 
 def _ways(folder: Path, stack: ExitStack) -> list[Way]:

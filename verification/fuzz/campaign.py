@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The fuzzing campaign: every target for the same time, first its corpus, then mutated content.
 
-`python -m verification.fuzz.campaign [SECONDS [SEED]]` runs each target for so many seconds and
-adds cases and times to `verification/fuzz/results.json`, of which docs/reference/fuzzing.md is
-made; after a finding they are counted anew. Inputs with a finding are kept in build/fuzz/findings;
-`--repeat FILE` runs such a file again.
+`python -m verification.fuzz.campaign [SECONDS [SEED]]` runs each target for so many seconds of a
+processor, so that it may run beside other work (`chrt --idle 0`), and adds its cases and time to
+`verification/fuzz/results.json` as it ends. Of that docs/reference/fuzzing.md is made; a campaign
+after a finding counts anew. Inputs with a finding are kept in build/fuzz/findings; `--repeat FILE`
+runs such a file again.
 """
 
 from __future__ import annotations
@@ -19,25 +20,28 @@ import resource
 import shutil
 import subprocess
 import sys
-import time
+import threading
 import traceback
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any
 
 from tools.docs import tables
 from verification.commands import Counts, NoResultError
 from verification.fuzz.targets import Target, targets
+from verification.processor_time import processor_s
 from verification.support.paths import ROOT
 
 RESULTS = ROOT / "verification" / "fuzz" / "results.json"
 CORPUS = Path(__file__).resolve().parent / "corpus"
 BUILD = ROOT / "build" / "fuzz"
 PROGRAM = BUILD / "corpus" / "image" / "program.elf"
+Row = dict[str, Any]
 TARGET_SECONDS = 20
-RUST_TARGETS = 5
+COUNTED = ("seconds", "case_count", "findings")
 GROWTH_MAX_KB = 512 * 1024
+# Of the Rust targets.
 INPUTS = {
     "damaged image": "ELF files with and without debug information, mutated; run if accepted",
     "damaged configuration": "JSON with wrong bytes; a brick is run if it is accepted",
@@ -58,28 +62,26 @@ def build_image() -> None:
     subprocess.run(["arm-none-eabi-gcc", *options, "-o", str(PROGRAM), source], check=True)
 
 
-def run_rust_targets(seconds: int, seed: int) -> list[dict[str, Any]]:
-    """The targets of the Rust facade."""
-    command = ["cargo", "run", "--locked", "--quiet", "--release", "-p", "virtual-brick"]
-    command += ["--example", "fuzz", "--", str(RUST_TARGETS * seconds), str(seed)]
-    command += [str(BUILD / "corpus")]
+def run_rust_target(name: str, seconds: int, seed: int) -> Row:
+    """A target of the Rust facade; its cases are those of consecutive seeds."""
+    command = ["setpriv", "--pdeathsig", "KILL"]  # it ends with this process
+    command += ["cargo", "run", "--locked", "--quiet", "--release", "-p", "virtual-brick"]
+    command += ["--example", "fuzz", "--", str(seconds), str(seed << 32)]
+    command += [str(BUILD / "corpus"), name]
     crates = ROOT / "virtual-brick"
     done = subprocess.run(command, cwd=crates, capture_output=True, text=True)
     if not done.stdout.strip():
         raise NoResultError(f"fuzz: no result\n{done.stderr[-2000:]}")
     print(done.stderr, end="", file=sys.stderr)
-    rows = json.loads(done.stdout)
-    return [
-        {
-            "target": row["target"],
-            "input": INPUTS[row["target"]],
-            "corpus": row["corpus"],
-            "seconds": seconds,
-            "case_count": row["case_count"],
-            "findings": row["case_count"] - row["passed"],
-        }
-        for row in rows
-    ]
+    (row,) = json.loads(done.stdout)
+    return {
+        "target": name,
+        "input": INPUTS[name],
+        "corpus": row["corpus"],
+        "seconds": seconds,
+        "case_count": row["case_count"],
+        "findings": row["case_count"] - row["passed"],
+    }
 
 
 def _passes(target: Target, content: bytes) -> bool:
@@ -104,13 +106,13 @@ def _name(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:8]
 
 
-def fuzz_target(target: Target, seconds: float, seed: int) -> dict[str, Any]:
-    """Corpus, then mutated content until the time is over."""
+def fuzz_target(target: Target, seconds: float, seed: int) -> Row:
+    """Corpus, then mutated content until the time of the processor is over."""
     numbers = random.Random(seed)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    end = time.monotonic() + seconds
+    end = processor_s() + seconds
     results = [_passes(target, content) for content in target.corpus]
-    while time.monotonic() < end:
+    while processor_s() < end:
         content = target.mutate(numbers, numbers.choice(target.corpus))
         results.append(_passes(target, content))
     growth = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
@@ -127,55 +129,73 @@ def fuzz_target(target: Target, seconds: float, seed: int) -> dict[str, Any]:
     }
 
 
-def _run(index: int | None, seconds: int, seed: int) -> list[dict[str, Any]]:
-    """Rows of one of the Python targets, or of all Rust targets."""
-    if index is None:
-        return run_rust_targets(seconds, seed)
-    target = targets(PROGRAM)[index]()
+def _run(group: str | int, seconds: int, seed: int) -> Row:
+    """The row of a Rust target by its name, or of a Python target by its number."""
+    if isinstance(group, str):
+        return run_rust_target(group, seconds, seed)
+    target = targets(PROGRAM)[group]()
     try:
-        return [fuzz_target(target, seconds, seed)]
+        return fuzz_target(target, seconds, seed)
     finally:
         target.close()
 
 
-def added(rows: list[dict[str, Any]], held: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows of a campaign together with those held, unless something was found before."""
-    before = {row["target"]: row for row in held}
-    if any(row["findings"] for row in held):
-        before = {}
-    counted = ("seconds", "case_count", "findings")
-    return [
-        row | {name: row[name] + before.get(row["target"], {}).get(name, 0) for name in counted}
-        for row in rows
-    ]
+def _end_with_campaign() -> None:
+    """However it ends, its processes do not go on."""
+    campaign = parent_process()
+    assert campaign is not None
+
+    def wait() -> None:
+        campaign.join()
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
 
 
-def campaign(
-    seconds: int = TARGET_SECONDS, seed: int = 1, processors: int = 1
-) -> list[dict[str, Any]]:
-    """Every target; the rows, which are also written, added to those held."""
+def added(row: Row, held: list[Row]) -> list[Row]:
+    """The rows held, by name, with what a target's run adds to its own."""
+    rows = {one["target"]: one for one in held}
+    before = rows.get(row["target"], {})
+    rows[row["target"]] = row | {name: row[name] + before.get(name, 0) for name in COUNTED}
+    return [rows[name] for name in sorted(rows)]
+
+
+def campaign(seconds: int = TARGET_SECONDS, seed: int = 1, processors: int = 1) -> list[Row]:
+    """Every target; the rows, each of which is written as it comes, added to those held.
+
+    What was found before was corrected since, so that earlier cases say nothing.
+    """
     build_image()
-    groups = [None, *range(len(targets(PROGRAM)))]
+    held = tables.read_rows(RESULTS)
+    if any(row["findings"] for row in held):
+        held = []
+    groups = [*INPUTS, *range(len(targets(PROGRAM)))]
+    random.Random(seed).shuffle(groups)  # a campaign may be stopped
     # A process for each group: what one leaves in memory is not another's.
-    with ProcessPoolExecutor(processors, get_context("spawn"), max_tasks_per_child=1) as pool:
-        found = [pool.submit(_run, group, seconds, seed) for group in groups]
+    spawned = get_context("spawn")
+    with ProcessPoolExecutor(
+        processors, spawned, _end_with_campaign, max_tasks_per_child=1
+    ) as pool:
         rows = []
-        for each in found:
-            for row in each.result():
-                print(f"{row['target']}: {row['case_count']} cases, {row['findings']} findings")
-                rows.append(row)
-    tables.write_rows(RESULTS, added(rows, json.loads(RESULTS.read_bytes())))
+        for done in as_completed(pool.submit(_run, group, seconds, seed) for group in groups):
+            row = done.result()
+            print("{target}: {case_count} cases, {findings} findings".format(**row), flush=True)
+            held = added(row, held)
+            tables.write_rows(RESULTS, held)
+            rows.append(row)
+    ran = {row["target"] for row in rows}
+    tables.write_rows(RESULTS, [row for row in held if row["target"] in ran])
     return rows
 
 
 def suite() -> Counts:
     """Cases of all targets, and those that were handled.
 
-    RAVENBRICK_FUZZ_HOURS: for so long in all, divided among the targets.
+    RAVENBRICK_FUZZ_HOURS: so many hours of a processor, divided among the targets.
     """
     hours = float(os.environ.get("RAVENBRICK_FUZZ_HOURS", 0))
     build_image()
-    groups = RUST_TARGETS + len(targets(PROGRAM))
+    groups = len(INPUTS) + len(targets(PROGRAM))
     rows = campaign(round(3_600 * hours / groups) or TARGET_SECONDS)
     count = sum(row["case_count"] for row in rows)
     return Counts(count, count - sum(row["findings"] for row in rows))

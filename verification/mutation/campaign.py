@@ -30,6 +30,7 @@ from typing import Any
 from ravenbrick.atomic_write import atomic_write
 
 from tools.docs import tables
+from verification.built_examples import build_example
 from verification.commands import Counts, NotRunError
 from verification.mutation.executed import Executed
 from verification.mutation.mutants import Mutant, ranked
@@ -210,6 +211,8 @@ def judged(
             outcome = outcomes.of(mutant)
             if outcome is None and judge is None and time.monotonic() <= end:
                 judging = PythonJudge if room.executed else Judge
+                if room.executed:
+                    build_example("vehicle")  # the tests take it as built, as with `make test`
                 judge = judging(room, stack.enter_context(Scratch(room.name)), near)
                 if room.one_build:
                     counted = (other for other in waiting if outcomes.of(other) != "refused")

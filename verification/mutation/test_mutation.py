@@ -127,6 +127,23 @@ def test_a_campaign_goes_on_and_judges_survivors_again_when_tests_changed(
     ]
 
 
+def test_a_room_of_python_is_copied_with_the_vehicle_built(
+    room: Room, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An image older than its sources fails tests that nothing is wrong with."""
+    steps = []
+
+    def copied(_name: str) -> Scratch:
+        steps.append("copied")
+        raise NotRunError("no more is needed")
+
+    monkeypatch.setattr(campaign, "build_example", steps.append)
+    monkeypatch.setattr(campaign, "Scratch", copied)
+    with pytest.raises(NotRunError):
+        list(judged(replace(room, executed=True), 60, 1, end=float("inf")))
+    assert steps == ["vehicle", "copied"]
+
+
 def test_near_tests_kill_and_other_tests_judge_again_what_survives_them(
     room: Room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -79,6 +79,12 @@ def test_a_drawn_track_is_a_closed_line_that_begins_at_the_sensor(
     for ahead in (-0.02, 0.0, 0.02):
         assert not dark(0.07 + ahead, 0.008) and dark(0.07 + ahead, -0.008)
         assert not dark(0.07 + ahead, -0.042)
+    # It goes straight ahead there, so it is as high before as behind, and turns to the left.
+    behind, ahead = (
+        pixel * np.flatnonzero(black[:, int((0.07 + far - left) / pixel)])[0] for far in (-0.1, 0.1)
+    )
+    assert ahead == pytest.approx(behind, abs=0.006)
+    assert below + pixel * np.flatnonzero(black.any(axis=1)).mean() > 0.3
     areas, count = label(~black)
     assert count == 2
     sizes = [int((areas == number).sum()) * pixel**2 for number in (1, 2)]

@@ -9,8 +9,9 @@ import pytest
 
 from ravenbrick.project.robot import Task, read_robot
 from ravenbrick.timing.bounds import Bound
+from ravenbrick.timing.facts.facts import Facts, RequestedInterrupts
 from ravenbrick.timing.kernel import Services
-from ravenbrick.timing.task_set.scheduled_tasks import BlockingCause, blocking_cause
+from ravenbrick.timing.task_set.scheduled_tasks import BlockingCause, blocking_cause, requests_of
 
 ROOT = Path(__file__).resolve().parents[3]
 SERVICES = Services(delay_until=0, resume=30, masking={"set_true": 100, "delay": 50})
@@ -48,3 +49,15 @@ def test_one_task_is_in_an_action_and_each_other_may_mask_interrupts_before(
     cause: BlockingCause = blocking_cause(MIDDLE, f"t{MIDDLE}", jobs(*rows), SERVICES)
     assert (cause.cycles, cause.task) == expected
     assert ("after others" in cause.kind) == (len(rows) == 3 and rows[2][1].reached != {"none"})
+
+
+def test_the_rest_after_a_request_holds_the_critical_section_that_may_be_around_it() -> None:
+    """At the task's own priority there is none, whatever it takes."""
+    own = ((2 * MIDDLE, 900), (2 * MIDDLE + 2, 300), (2 * MIDDLE + 4, 200))
+    asking = replace(
+        job("nxt__display__update"), critical_sections=own, remaining=(400,),
+        reached=frozenset({"nxt__display__update"}),
+    )  # fmt: skip
+    facts = Facts(None, "", requests=(RequestedInterrupts(5, "NXT.Display", 0, "shown"),))
+    found = requests_of(facts, (), jobs((MIDDLE, asking), (2, job("none"))))
+    assert {request.rest for request in found} == {((f"t{MIDDLE}", 400 + 300),)}

@@ -251,7 +251,7 @@ def _refuse_excess(outcome: Outcome, late: str) -> None:
 def build_image(
     isolation: Isolation, rubric: Rubric, sources: Mapping[str, bytes], cache: Path
 ) -> Path:
-    """The image's file in the cache, its map beside it; raises `SubmissionError`."""
+    """The image's file in the cache; raises `SubmissionError`."""
     content = "".join(
         f"{name} {hashlib.sha256(text).hexdigest()}\n" for name, text in sorted(sources.items())
     )
@@ -265,9 +265,8 @@ def build_image(
     base = prepare_base(isolation, rubric, cache)
     project, complete = _laid_out(rubric, sources)
     elf = f"project/ram/{rubric.robot.name}.elf"
-    made = f"{elf} {elf.removesuffix('elf')}map"
     parts = "drivers project/objects" if complete else "drivers"
-    outcome = _gprbuild(isolation, rubric, project, base, parts, made)
+    outcome = _gprbuild(isolation, rubric, project, base, parts, elf)
     try:
         _refuse_excess(
             outcome, f"the build took more than {rubric.limits.build_seconds} s of processor time"
@@ -280,7 +279,6 @@ def build_image(
     except SubmissionError as error:
         atomic_write(failure, str(error).encode("utf-8", "replace"))
         raise
-    atomic_write(kept.with_suffix(".map"), files.get(f"{elf.removesuffix('elf')}map", b""))
     atomic_write(kept, files[elf])
     return kept
 

@@ -144,12 +144,11 @@ def _judged(
     limits = rubric.limits
     paths = {check.scenario for check in rubric.checks if check.scenario}
     scenarios = {path: read_scenario(path, rubric.robot) for path in paths}
-    parts = (image.read_bytes(), image.with_suffix(".map").read_bytes())
     outcome = run_isolated(
         isolation,
         [sys.executable, "-m", "ravenbrick.grading.judge"],
         Bounds(limits.run_seconds, limits.memory_mb, limits.file_mb),
-        content=pickle.dumps((rubric, secret, scenarios, *parts)),
+        content=pickle.dumps((rubric, secret, scenarios, image.read_bytes())),
         readable=[*python_parts(), rubric.project],
         hidden=[tree()],
         variables={"PYTHONDONTWRITEBYTECODE": "1"},

@@ -4,9 +4,10 @@
 //! random programs, random writes of registers, random inputs. Nothing may panic, and memory stays
 //! bounded. Every case is a function of its seed, which is printed when it fails.
 //!
-//! Usage: `cargo run --release -p virtual-brick --example fuzz -- [SECONDS [SEED [CORPUS]]]`. Files
-//! in `CORPUS/image` and `CORPUS/configuration` are given as they are, then damaged. Prints cases
-//! and failures of each target as JSON; the exit code is 1 if a case failed.
+//! Usage: `cargo run --release -p virtual-brick --example fuzz -- [SECONDS [SEED [CORPUS
+//! [TARGET]]]]`. The seconds are of a processor and are divided among the targets. Files in
+//! `CORPUS/image` and `CORPUS/configuration` are given as they are, then damaged. Prints cases and
+//! failures of each target as JSON; the exit code is 1 if a case failed.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -29,6 +30,10 @@ const RESIDENT_BYTES_MAX: u64 = 1 << 30;
 const PAGE_BYTES: u64 = 4096;
 /// Random programs among the images.
 const RANDOM_IMAGES: u64 = 64;
+/// Cases of which the first looks at the time.
+const CASES_TIMED: u64 = 32;
+/// As `/proc` counts them on every Linux.
+const TICKS_PER_S: u64 = 100;
 
 type Target = fn(&Corpus, &mut Numbers);
 
@@ -109,27 +114,24 @@ fn main() -> ExitCode {
         eprintln!("expected a number of seconds and a first seed");
         return ExitCode::from(2);
     };
+    let chosen = arguments.get(3);
+    let among = |(name, _): &(&str, Target)| chosen.is_none_or(|chosen| chosen == name);
+    let targets: Vec<_> = TARGETS.into_iter().filter(among).collect();
+    if targets.is_empty() {
+        eprintln!("expected one of {:?}", TARGETS.map(|(name, _)| name));
+        return ExitCode::from(2);
+    }
     let corpus = Corpus::read(arguments.get(2).map(String::as_str));
     if !corpus.passes() {
         eprintln!("the corpus itself: panic");
         return ExitCode::FAILURE;
     }
-    let mut counts = [Counts::default(); TARGETS.len()];
-    let share = Duration::from_secs(seconds) / TARGETS.len() as u32;
-    for (number, (name, target)) in TARGETS.into_iter().enumerate() {
-        let end = Instant::now() + share;
-        for seed in first.. {
-            if Instant::now() >= end {
-                break;
-            }
-            let passed = case(name, seed, || target(&corpus, &mut Numbers::new(seed)));
-            counts[number].cases += 1;
-            counts[number].passed += u64::from(passed);
-        }
-    }
-    let rows: Vec<String> = TARGETS
+    let share = Duration::from_secs(seconds) / targets.len() as u32;
+    let run = |&(name, target): &(&str, Target)| run_target(name, target, &corpus, share, first);
+    let counts: Vec<Counts> = targets.iter().map(run).collect();
+    let rows: Vec<String> = targets
         .iter()
-        .zip(counts)
+        .zip(&counts)
         .map(|((name, _), Counts { cases, passed })| {
             let corpus = corpus.size(name);
             format!(
@@ -139,6 +141,37 @@ fn main() -> ExitCode {
         .collect();
     println!("[{}]", rows.join(","));
     ExitCode::from(u8::from(counts.iter().any(|c| c.cases != c.passed)))
+}
+
+/// Cases of one target from seed `first` on, for a time of the processor.
+fn run_target(name: &str, target: Target, corpus: &Corpus, time: Duration, first: u64) -> Counts {
+    let mut counts = Counts::default();
+    let begin = Instant::now();
+    let end = used(begin) + time;
+    for seed in first.. {
+        if counts.cases % CASES_TIMED == 0 && used(begin) >= end {
+            break;
+        }
+        let passed = case(name, seed, || target(corpus, &mut Numbers::new(seed)));
+        counts.cases += 1;
+        counts.passed += u64::from(passed);
+    }
+    counts
+}
+
+/// Processor time of the process where the system tells it, else the time since `begin`.
+fn used(begin: Instant) -> Duration {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // The name before may hold anything; user and system time are fields 14 and 15.
+    let fields = text.rsplit_once(") ").map_or("", |(_, after)| after);
+    let mut times = fields
+        .split(' ')
+        .skip(11)
+        .map_while(|ticks| ticks.parse::<u64>().ok());
+    match (times.next(), times.next()) {
+        (Some(user), Some(system)) => Duration::from_millis((user + system) * 1000 / TICKS_PER_S),
+        _ => begin.elapsed(),
+    }
 }
 
 fn case(name: &str, seed: u64, run: impl FnOnce() + std::panic::UnwindSafe) -> bool {

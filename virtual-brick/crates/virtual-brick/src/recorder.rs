@@ -160,7 +160,7 @@ impl Recorder {
         }
         if chip.has_watch_hits() {
             self.observe_writes(chip);
-            end = end.or(self.forgery(instruction));
+            end = end.or(self.forgery(chip, instruction));
         }
         self.write_pending(chip)?;
         end.map_or(Ok(()), Err)
@@ -229,10 +229,13 @@ impl Recorder {
     }
 
     /// The stop when the program itself wrote one of the words that were observed last.
-    fn forgery(&self, instruction: Option<u32>) -> Option<Stop> {
+    fn forgery(&self, chip: &Machine, instruction: Option<u32>) -> Option<Stop> {
+        if let Some(stop) = self.running_on(self.hits.last()?.at_cycles) {
+            return Some(stop);
+        }
         let observer = self.observer.as_ref().filter(|_| self.guards_threads)?;
-        let instruction = instruction?;
-        let forged = |hit: &&WatchHit| observer.forged(hit.address, instruction);
+        let (memory, instruction) = (ChipMemory(chip), instruction?);
+        let forged = |hit: &&WatchHit| observer.forged(hit.address, instruction, &memory);
         let hit = self.hits.iter().find(forged)?;
         Some(Stop {
             reason: StopReason::Fault,
@@ -244,9 +247,26 @@ impl Recorder {
         })
     }
 
+    /// The stop when a thread that waits, as the program says, runs on all the same.
+    fn running_on(&self, at_cycles: u64) -> Option<Stop> {
+        let observer = self.observer.as_ref().filter(|_| self.guards_threads)?;
+        let name = observer.name_of(observer.running_index().unwrap_or(0));
+        observer.waits_and_runs(at_cycles).then(|| Stop {
+            reason: StopReason::Fault,
+            at_cycles,
+            message: format!(
+                "the program writes what only the run-time writes of its threads: '{name}' waits \
+                 and runs on"
+            ),
+        })
+    }
+
     /// One row of signals; the next one is due a period later.
     pub(crate) fn sample(&mut self, chip: &Machine) -> Result<(), Stop> {
         let now = chip.now();
+        if let Some(stop) = self.running_on(now) {
+            return Err(stop);
+        }
         self.next_sample_cycles = (now / self.signal_period_cycles + 1) * self.signal_period_cycles;
         self.row.clear();
         chip.board().sample_signals(now, &mut self.row);

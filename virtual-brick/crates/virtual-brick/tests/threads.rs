@@ -35,7 +35,12 @@ fn elf(version: u32, name_length: u32) -> ElfBuilder {
 }
 
 /// The program behind another one.
-fn elf_after(mut program: Program, version: u32, name_length: u32) -> ElfBuilder {
+fn elf_after(program: Program, version: u32, name_length: u32) -> ElfBuilder {
+    elf_leaving(program, version, name_length, 1)
+}
+
+/// The same; the thread goes on for so many turns of a loop after it has said that it waits.
+fn elf_leaving(mut program: Program, version: u32, name_length: u32, turns: u32) -> ElfBuilder {
     program.poke(PIT_MR, 0x010F_FFFF);
     for (address, value) in [
         (BLOCK + 4, NAME),
@@ -49,11 +54,10 @@ fn elf_after(mut program: Program, version: u32, name_length: u32) -> ElfBuilder
         (RUNNING, BLOCK),
         (WAKE, 70),
         (STATE, 2),
-        (RUNNING, 0),
-        (STATE, 1),
     ] {
         program.poke(address, value);
     }
+    program.delay(turns).poke(RUNNING, 0).poke(STATE, 1);
     let here = program.here();
     program.status(0x13).branch(ALWAYS, here);
     let mut layout = vec![version, 40];
@@ -160,11 +164,64 @@ fn guarded_stop(function: &str) -> (StopReason, String) {
 }
 
 fn guarded_stop_of(elf: ElfBuilder) -> (StopReason, String) {
-    let fields = VEHICLE.replacen('{', r#"{"guards_threads": true, "#, 1);
-    let configuration = Configuration::from_json(&fields).unwrap();
-    let mut brick = VirtualBrick::new(&configuration, &elf.build()).unwrap();
+    let mut brick = guarded(elf);
     let stop = brick.run_until(2_000);
     (stop.reason, stop.message)
+}
+
+fn guarded(elf: ElfBuilder) -> VirtualBrick {
+    let fields = VEHICLE.replacen('{', r#"{"guards_threads": true, "#, 1);
+    let configuration = Configuration::from_json(&fields).unwrap();
+    VirtualBrick::new(&configuration, &elf.build()).unwrap()
+}
+
+/// `Split` of Ada's library writes where its caller says.
+#[test]
+fn a_function_of_the_library_that_is_no_part_of_the_kernel_may_not_write_them() {
+    for function in ["ada__real_time__split", "system__arith_64__scaled_divide64"] {
+        assert_eq!(guarded_stop(function).0, StopReason::Fault, "{function}");
+    }
+}
+
+#[test]
+fn code_that_replaces_a_function_of_the_run_time_may_not_write_them() {
+    const STORE: u32 = 0xE581_0000;
+    const STORE_AND_ADD_0: u32 = 0xE481_0000;
+    let mut brick = guarded(elf(1, 7).symbol("ravenbrick_switch", RAM, 0x400, true, true));
+    let code = brick.read_memory(RAM, 0x100).unwrap();
+    let words = code
+        .chunks(4)
+        .map(|word| u32::from_le_bytes(word.try_into().unwrap()));
+    let places: Vec<u32> = (RAM..)
+        .step_by(4)
+        .zip(words)
+        .filter(|w| w.1 == STORE)
+        .map(|w| w.0)
+        .collect();
+    assert!(places.len() > 10);
+    for place in places {
+        brick
+            .write_memory(place, &STORE_AND_ADD_0.to_le_bytes())
+            .unwrap();
+    }
+    assert_eq!(brick.run_until(2_000).reason, StopReason::Fault);
+}
+
+/// Whoever writes it: what has jumped into the run-time looks like the run-time.
+#[test]
+fn a_thread_that_waits_may_not_run_on() {
+    let stop = |turns, until_cycles| {
+        let elf = elf_leaving(Program::new(), 1, 7, turns);
+        let mut brick = guarded(elf.symbol("ravenbrick_switch", RAM, 0x400, true, true));
+        brick.run_until(until_cycles)
+    };
+    assert_eq!(stop(1_000, 100_000).reason, StopReason::Reached);
+    for until_cycles in [60_000, 1_000_000] {
+        let stopped = stop(100_000, until_cycles);
+        assert_eq!(stopped.reason, StopReason::Fault);
+        assert!(stopped.message.contains("'control' waits and runs on"));
+        assert!(stopped.at_cycles < 60_000);
+    }
 }
 
 #[test]

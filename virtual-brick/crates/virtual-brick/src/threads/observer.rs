@@ -21,8 +21,21 @@ const VECTORS: [&str; 2] = ["ravenbrick_vectors", "ravenbrick_vectors_end"];
 const FLASH: u32 = 0x0010_0000;
 const RAM: u32 = 0x0020_0000;
 
-/// How names of functions of the run-time and of Ada's library begin.
-const RUN_TIME: [&str; 4] = ["ravenbrick_", "system__", "ada__", "interfaces__"];
+/// How names of the functions begin that may write watched words. Others of Ada's library write
+/// where their caller says.
+const WRITERS: [&str; 9] = [
+    "ravenbrick_",
+    "system__tasking__",
+    "system__interrupts__",
+    "system__relative_delays__",
+    "ada__dispatching__",
+    "ada__real_time__delays__",
+    "ada__real_time__timing_events__",
+    "ada__calendar__delays__",
+    "ada__synchronous_task_control__",
+];
+/// The run-time needs a few hundred from the new state of the running thread to the next thread.
+const LEAVES_CYCLES: u64 = 10_000;
 
 const READY: u32 = 1;
 const DELAYED: u32 = 2;
@@ -83,6 +96,10 @@ pub(crate) struct ThreadObserver {
     /// Lowest words of stacks.
     bottoms: Vec<u32>,
     stack_alarm: bool,
+    /// Since when the running thread waits.
+    leaving: Option<u64>,
+    /// A thread went on for longer than the run-time needs.
+    went_on: bool,
 }
 
 /// Where an observation goes.
@@ -114,6 +131,8 @@ impl ThreadObserver {
             names: ThreadNames { layout, image },
             bottoms: Vec::new(),
             stack_alarm: false,
+            leaving: None,
+            went_on: false,
         }
     }
 
@@ -160,18 +179,52 @@ impl ThreadObserver {
         std::mem::take(&mut self.new_watches)
     }
 
-    /// A watched word, but for one of a stack, was written by an instruction of the program itself.
-    /// Before there are threads, the start clears the memory.
-    pub(crate) fn forged(&self, address: u32, instruction: u32) -> bool {
+    /// A thread waits, so that its job has ended, and runs on.
+    pub(crate) fn waits_and_runs(&self, now_cycles: u64) -> bool {
+        self.went_on
+            || self
+                .leaving
+                .is_some_and(|since| Self::is_long(since, now_cycles))
+    }
+
+    fn is_long(since_cycles: u64, now_cycles: u64) -> bool {
+        now_cycles.saturating_sub(since_cycles) > LEAVES_CYCLES
+    }
+
+    /// The running thread, or what it is, changes.
+    fn left(&mut self, at_cycles: u64) {
+        let since = self.leaving.take();
+        self.went_on |= since.is_some_and(|since| Self::is_long(since, at_cycles));
+    }
+
+    /// A watched word, but for one of a stack, was written by an instruction of the program itself,
+    /// or by one that it has put into the run-time. Before there are threads, the start clears the
+    /// memory.
+    pub(crate) fn forged(&self, address: u32, instruction: u32, memory: &impl Memory) -> bool {
         let Some(image) = &self.names.image else {
             return false;
         };
         let linked = Self::linked_address(image, instruction);
         let function = image.symbols().function_at(linked);
         let names = function.map_or(&[][..], |(_, function)| &function.names);
-        let by_run_time = |name: &String| RUN_TIME.iter().any(|part| name.starts_with(part));
+        let may_write = |name: &String| WRITERS.iter().any(|part| name.starts_with(part));
         let watched = !self.threads.is_empty() && !self.bottoms.contains(&address);
-        watched && !names.iter().any(by_run_time)
+        let built = Self::word_of(image, linked & !3);
+        let place = if instruction < FLASH {
+            RAM + instruction
+        } else {
+            instruction
+        };
+        let replaced = built.is_some() && memory.word(place & !3) != built;
+        watched && (replaced || !names.iter().any(may_write))
+    }
+
+    fn word_of(image: &Image, address: u32) -> Option<u32> {
+        image.segments().iter().find_map(|segment| {
+            let begin = address.checked_sub(segment.virtual_address)? as usize;
+            let bytes = segment.bytes.get(begin..begin + 4)?;
+            Some(u32::from_le_bytes(bytes.try_into().ok()?))
+        })
     }
 
     /// Where the instruction lies in the image: at address 0 the RAM appears a second time, and
@@ -237,6 +290,7 @@ impl ThreadObserver {
             },
         };
         if subject != self.running {
+            self.left(at_cycles);
             self.running = subject;
             sink.event(at_cycles, EventKind::ThreadRunning, subject, 0);
         }
@@ -332,12 +386,17 @@ impl ThreadObserver {
         }
         self.name(index, memory, sink);
         let subject = index as u32;
+        let waits = (DELAYED..=BLOCKED_LAST).contains(&state);
+        if subject == self.running {
+            self.left(at_cycles);
+            self.leaving = (previous == READY && waits).then_some(at_cycles);
+        }
         sink.event(at_cycles, EventKind::ThreadState, subject, i64::from(state));
         if state == READY {
             self.note_created(index, memory);
             let nominal = self.threads[index].nominal_release(at_cycles, previous);
             sink.event(at_cycles, EventKind::Release, subject, nominal as i64);
-        } else if previous == READY && (DELAYED..=BLOCKED_LAST).contains(&state) {
+        } else if previous == READY && waits {
             if let Some(nominal) = self.threads[index].release.take() {
                 sink.event(at_cycles, EventKind::Completion, subject, nominal as i64);
             }
