@@ -15,12 +15,18 @@ const simulation = vi.hoisted(() => ({
     this.elapsed.push(elapsed_ms);
   },
 }));
+const initialise = vi.hoisted(() => vi.fn());
+vi.mock("../generated/virtual_brick", () => ({
+  default: initialise,
+  VirtualBrick: vi.fn(),
+}));
 vi.mock("../src/simulation", () => ({
   Simulation: function () {
     return simulation;
   },
 }));
 
+const core = new WebAssembly.Module(Uint8Array.of(0, 0x61, 0x73, 0x6d, 1, 0, 0, 0));
 let wall = 0;
 const reports: { kind: string }[] = [];
 const timers: [() => void, number][] = [];
@@ -47,10 +53,16 @@ beforeAll(async () => {
     },
   );
   await import("../src/worker");
+  expect(initialise).not.toHaveBeenCalled();
+  told(core);
   await vi.waitFor(() => expect(reports).toEqual([{ kind: "started" }]));
 });
 
 describe("the worker", () => {
+  it("begins with the core that the page has compiled", () => {
+    expect(initialise).toHaveBeenCalledWith({ module_or_path: core });
+  });
+
   it("does nothing for a brick that is not there yet", () => {
     told({ kind: "measure", signals: [] });
     expect(reports.length).toBe(1);
