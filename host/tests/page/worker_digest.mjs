@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // `node worker_digest.mjs WORKER RUN ELF`: replays a run file in the page's worker, without a
 // browser, and prints the trace digest.
-import { readFileSync } from "node:fs";
+import { readdirSync, readFileSync } from "node:fs";
+import { dirname, join } from "node:path";
 import { pathToFileURL } from "node:url";
 
 const [worker, runFile, elfFile] = process.argv.slice(2);
 const run = JSON.parse(readFileSync(runFile, "utf-8"));
-const headers = { "Content-Type": "application/wasm" };
-globalThis.fetch = async (url) => new Response(readFileSync(url), { headers });
+const core = readdirSync(dirname(worker)).find((name) => name.endsWith(".wasm"));
 let begin;
 const started = new Promise((done) => (begin = done));
 globalThis.self = Object.assign(new EventTarget(), {
@@ -23,6 +23,7 @@ globalThis.self = Object.assign(new EventTarget(), {
 });
 const send = (data) => self.dispatchEvent(Object.assign(new Event("message"), { data }));
 await import(pathToFileURL(worker));
+send(new WebAssembly.Module(readFileSync(join(dirname(worker), core))));
 await started;
 send({ kind: "replay", run, elf: new Uint8Array(readFileSync(elfFile)) });
 send({ kind: "speed", factor: Infinity });
