@@ -5,7 +5,10 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -39,3 +42,19 @@ def test_what_a_task_executes_counts_and_its_name_if_it_has_not_begun() -> None:
     assert body_of(image, {}, control) == "workers__controlTKB"
     with pytest.raises(ExecutionTimeError, match="0 bodies with the name of the task 'late'"):
         body_of(image, {}, replace(control, name="late"))
+
+
+def test_a_body_is_what_a_task_executes_first() -> None:
+    """Not what it calls, whatever that is named."""
+    arrivals: dict[str, list[Any]] = {
+        "rooms__controlTKB": [[90, 1]],
+        "setTB": [[20, None], [100, 1], [200, 1]],
+    }
+    counts = [
+        {"arrivals": [{"at_cycles": at, "thread": thread} for at, thread in each]}
+        for each in arrivals.values()
+    ]
+    threads = [SimpleNamespace(name="environment"), SimpleNamespace(name="Control")]
+    brick = SimpleNamespace(threads=lambda: threads, flow_counts=lambda: json.dumps(counts))
+    image: Any = SimpleNamespace(symbols=arrivals)
+    assert executed_bodies(brick, image) == {"control": "rooms__controlTKB"}

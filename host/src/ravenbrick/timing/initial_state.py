@@ -109,8 +109,14 @@ def executed_bodies(brick: Any, image: ElfImage) -> dict[str, str]:
     """The body of each task that has begun on an `elaborated` brick, by its name in lower case."""
     names = [thread.name.lower() for thread in brick.threads()]
     counts = zip(_bodies(image), json.loads(brick.flow_counts()), strict=True)
-    begun = ((arrival["thread"], body) for body, each in counts for arrival in each["arrivals"])
-    return {names[thread]: body for thread, body in begun if thread is not None}
+    begun = [
+        (arrival["at_cycles"], names[arrival["thread"]], body)
+        for body, each in counts
+        for arrival in each["arrivals"]
+        if arrival["thread"] is not None
+    ]
+    # A task begins with its body, which may call what is only named like one.
+    return {name: body for _, name, body in sorted(begun, reverse=True)}
 
 
 def main_rests(brick: Any) -> bool:
