@@ -53,7 +53,7 @@ from ravenbrick.trace.recording import EVENT_TYPE, Recording, Signal, Stop
 from verification.fuzz.mutation import mutate_bytes
 from verification.support.paths import ROOT
 
-__all__ = ["FileReader", "file_readers"]
+__all__ = ["FileReader", "file_readers", "write_anew"]
 
 CASE_S, PATIENCE = 10.0, 60
 TIMERS = (
@@ -100,6 +100,12 @@ def mutate_archive(numbers: random.Random, content: bytes) -> bytes:
     return packed.getvalue()
 
 
+def write_anew(path: Path, content: bytes) -> None:
+    """Write a file that may be there: ext4 waits for the disk where content replaces old one."""
+    path.unlink(missing_ok=True)
+    path.write_bytes(content)
+
+
 def _timed_out(number: int, _frame: FrameType | None) -> None:
     clock = "of a processor" if number == signal.SIGPROF else "by the clock"
     limit_s = next(limit_s for each, _, limit_s in TIMERS if each == number)
@@ -125,8 +131,7 @@ class FileReader:
 
     def case(self, content: bytes) -> None:
         """Read it; anything else than acceptance or a sentence is a finding."""
-        self._path.unlink(missing_ok=True)  # ext4 writes at once what replaces old content
-        self._path.write_bytes(content)
+        write_anew(self._path, content)
         before = [signal.signal(number, _timed_out) for number, _, _ in TIMERS]
         for _, timer, limit_s in TIMERS:
             signal.setitimer(timer, limit_s)

@@ -28,7 +28,7 @@ from ravenbrick.brick.snapshot import Snapshot, SnapshotError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.project.stimuli import TimedInput
 
-from verification.fuzz.files import file_readers
+from verification.fuzz.files import file_readers, write_anew
 from verification.fuzz.mutation import mutate_bytes, mutate_snapshot
 
 __all__ = ["Target", "targets"]
@@ -96,8 +96,7 @@ class SnapshotFiles:
         return mutate_snapshot(numbers, content)
 
     def case(self, content: bytes) -> None:
-        self._path.unlink(missing_ok=True)  # ext4 writes at once what replaces old content
-        self._path.write_bytes(content)
+        write_anew(self._path, content)
         with contextlib.suppress(SnapshotError):
             snapshot = Snapshot.load(self._path)
             if snapshot.cycles < RUN_CYCLES_MAX:

@@ -48,15 +48,15 @@ async function compiled(core: string): Promise<WebAssembly.Module> {
 }
 
 /**
- * Start the worker, one from the disk from its text; meanwhile load the core. `given` is done when
- * the worker has it.
+ * Start the worker, one from the disk from its text; meanwhile load the core. `sent` is done when
+ * the core is on its way to the worker.
  */
 export async function startWorker(
   script: string,
   core: string,
-): Promise<{ worker: Worker; given: Promise<void> }> {
+): Promise<{ worker: Worker; sent: Promise<void> }> {
   const module = compiled(core);
   const text = FROM_DISK ? await (await fetchFile(script)).blob() : null;
   const worker = new Worker(text ? URL.createObjectURL(text) : script);
-  return { worker, given: module.then((loaded) => worker.postMessage(loaded)) };
+  return { worker, sent: module.then((loaded) => worker.postMessage(loaded)) };
 }

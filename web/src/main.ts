@@ -30,7 +30,7 @@ const begins = place.runs && !matchMedia("(prefers-reduced-motion: reduce)").mat
 const app = new App(page, { send }, { name, embedded, asks: !begins });
 
 async function startBrick(): Promise<void> {
-  const { worker: started, given } = await starting;
+  const { worker: started, sent } = await starting;
   started.addEventListener("message", ({ data }: MessageEvent<Report>) => {
     if (data.kind === "started") {
       worker = started;
@@ -43,7 +43,7 @@ async function startBrick(): Promise<void> {
       `The brick cannot run in this browser: ${event.message || "no WebAssembly"}`,
     );
   });
-  await given;
+  await sent;
 }
 
 startBrick().catch((error: Error) => {

@@ -76,9 +76,10 @@ def design_is_due(workspace: Workspace, settings: Settings) -> bool:
     return False
 
 
-def remember_design(workspace: Workspace, digest: str) -> None:
-    """Record that the controller in generated/ is of the inputs with this digest."""
-    record = {"script": digest, "made": _made(workspace)}
+def remember_design(workspace: Workspace, digest: str, made: dict[str, str]) -> None:
+    """Record that the controller in generated/, its digests `made`, is of the inputs with this
+    digest."""
+    record = {"script": digest, "made": made}
     with suppress(OSError):
         atomic_write(workspace.design_record, json.dumps(record) + "\n")
 
@@ -88,7 +89,7 @@ def adopt_design(workspace: Workspace) -> None:
     would not tell a change in the next two seconds. Figures of a design here are of another one."""
     script = workspace.project / DESIGN_SCRIPT
     if script.is_file():
-        remember_design(workspace, _digest(script))
+        remember_design(workspace, _digest(script), _made(workspace))
         with suppress(OSError):
             workspace.design_file.unlink()
 
@@ -98,14 +99,15 @@ def run_design(workspace: Workspace) -> None:
     script = workspace.project / DESIGN_SCRIPT
     if not script.is_file():
         raise DesignError(f"{shown_path(script)}: there is no design script; write one")
-    origin = read_origin(workspace.project / "generated")
+    folder = workspace.project / "generated"
+    origin = read_origin(folder)
     if origin is not None:
         raise DesignError(
             f"{shown_path(script)}: would overwrite the controller in generated/, which is "
             f"{origin.sentence}; remove {shown_path(origin.file)} to have design.py write it"
         )
     digest, before = _digest(script), _made(workspace)
-    times = {name: (script.parent / "generated" / name).stat().st_mtime_ns for name in before}
+    times = {name: (folder / name).stat().st_mtime_ns for name in before}
     workspace.design_file.parent.mkdir(parents=True, exist_ok=True)
     words = [DESIGN_SCRIPT, "--results", str(workspace.design_file)]
     done = run_script(words, workspace.project)
@@ -116,8 +118,8 @@ def run_design(workspace: Workspace) -> None:
     # gprbuild goes by times. One file at least keeps its own: that the design was run.
     if len(unchanged) < len(made):
         for name in unchanged:
-            os.utime(script.parent / "generated" / name, ns=(times[name], times[name]))
-    remember_design(workspace, digest)
+            os.utime(folder / name, ns=(times[name], times[name]))
+    remember_design(workspace, digest, made)
 
 
 def _failure(script: Path, output: str) -> DesignError:

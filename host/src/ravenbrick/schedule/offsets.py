@@ -85,12 +85,12 @@ class _Candidate:
             if task.phase is None:
                 limits = (n * ((jitter + late) // span + 1) for n, span, late in task.limits)
                 count = min([jitter // task.period + 1, *limits])
+                work = count * source.execution
             else:
                 first = ceiling(self.begin - jitter - task.phase, task.period)
                 count = (self.begin - task.phase) // task.period + 1 - first
-                total += _execution(source, first, count) + count * source.overhead
-                continue
-            total += count * (source.execution + source.overhead)
+                work = _execution(source, first, count)
+            total += work + count * source.overhead
         return total
 
     def clock_time(self, length: Time) -> Time:

@@ -51,6 +51,16 @@ impl Writer {
         }
     }
 
+    /// A statement whose parts have blocks of statements between them.
+    fn nested(&mut self, depth: u32, parts: &[&str]) {
+        for (number, part) in parts.iter().enumerate() {
+            if number > 0 {
+                self.block(depth - 1);
+            }
+            self.add(part);
+        }
+    }
+
     fn statement(&mut self, depth: u32) {
         let kinds = if depth == 0 { 4 } else { 8 };
         match self.less(kinds) {
@@ -64,35 +74,15 @@ impl Writer {
                 self.add(&format!("f{callee}();"));
             }
             3 if self.of > 0 => self.add("if (coin()) return;"),
-            4 => {
-                self.add("if (coin()) {");
-                self.block(depth - 1);
-                self.add("} else {");
-                self.block(depth - 1);
-                self.add("}");
-            }
+            4 => self.nested(depth, &["if (coin()) {", "} else {", "}"]),
             5 => {
                 let (name, times) = (self.loops, 1 + self.less(4));
                 self.loops += 1;
-                self.add(&format!(
-                    "for (int i{name} = 0; i{name} < {times}; i{name}++) {{"
-                ));
-                self.block(depth - 1);
-                self.add("}");
+                let head = format!("for (int i{name} = 0; i{name} < {times}; i{name}++) {{");
+                self.nested(depth, &[&head, "}"]);
             }
-            6 => {
-                self.add("while (coin()) {");
-                self.block(depth - 1);
-                self.add("wait();");
-                self.block(depth - 1);
-                self.add("}");
-            }
-            7 => {
-                self.add("do {");
-                self.block(depth - 1);
-                self.add("wait();");
-                self.add("} while (coin());");
-            }
+            6 => self.nested(depth, &["while (coin()) {", "wait();", "}"]),
+            7 => self.nested(depth, &["do {", "wait();\n} while (coin());"]),
             _ => self.add("place = works(3);"),
         }
     }
@@ -107,18 +97,12 @@ impl Writer {
         };
         for of in (0..FUNCTIONS).rev() {
             writer.of = of;
-            writer.add(&format!("FUNCTION void f{of}(void) {{"));
-            writer.block(3);
-            writer.add("}");
+            writer.nested(4, &[&format!("FUNCTION void f{of}(void) {{"), "}"]);
         }
         writer.of = 0;
-        writer.add("void body(void) {");
-        writer.block(2);
-        writer.add("for (;;) {");
-        writer.block(2);
-        writer.add("wait();");
-        writer.block(2);
-        writer.add("}}\nint main(void) { body(); return 0; }");
+        let parts = ["void body(void) {", "for (;;) {", "wait();", "}}"];
+        writer.nested(3, &parts);
+        writer.add("int main(void) { body(); return 0; }");
         writer.text
     }
 }
@@ -166,28 +150,31 @@ fn no_time_between_two_waits_of_a_random_body_exceeds_its_bound() {
         let source = std::env::temp_dir().join(format!("waits-{}-{seed}.c", std::process::id()));
         std::fs::write(&source, Writer::program(seed)).unwrap();
         let flags = VARIANTS[seed as usize % VARIANTS.len()];
-        let Some(elf) = build("random_waits", std::slice::from_ref(&source), &flags) else {
+        let built = build("random_waits", std::slice::from_ref(&source), &flags);
+        std::fs::remove_file(source).unwrap();
+        let Some(elf) = built else {
             return;
         };
         let answer = request.answer(&elf, &MemoryMap::without_wait_states());
         let found = &answer.unwrap().outside[0];
         if !found.missing.is_empty() {
             asked += 1;
-            std::fs::remove_file(source).unwrap();
             continue;
         }
-        assert_eq!(found.error, None, "{}", source.display());
+        assert_eq!(found.error, None, "program {seed}");
         bounded += 1;
         let mut machine = Machine::new(&elf);
         let size = machine.size("body");
         for run in 0..RUNS {
-            let seed = machine.address("seed");
-            machine.set_word(seed, run);
+            let coins = machine.address("seed");
+            machine.set_word(coins, run);
             let seen = longest_outside(&mut machine, size);
-            let (bound, text) = (found.cycles, source.display());
-            assert!(seen <= bound, "{text} {flags:?}: {seen}, at most {bound}");
+            let bound = found.cycles;
+            assert!(
+                seen <= bound,
+                "program {seed} {flags:?}: {seen}, at most {bound}"
+            );
         }
-        std::fs::remove_file(source).unwrap();
     }
     assert!(bounded > asked, "{bounded} bounded, {asked} asked for");
 }

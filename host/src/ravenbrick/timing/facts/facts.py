@@ -186,10 +186,14 @@ class JobsInTurn:
     reason: str
     file: str = TIMING_FILE
 
-    def annotations(self, turn: int) -> tuple[str, str]:
-        """Name and text of what a job of this turn leaves out."""
-        rows = [{"symbol": symbol} for symbol in self.never[turn]]
-        return f"{self.file}, turn {turn + 1} of {self.task}", annotations_of({"never": rows})
+    @property
+    def annotations(self) -> list[tuple[str, str]]:
+        """Name and text of what the jobs of each turn leave out."""
+        never = ([{"symbol": symbol} for symbol in symbols] for symbols in self.never)
+        return [
+            (f"{self.file}, turn {turn} of {self.task}", annotations_of({"never": rows}))
+            for turn, rows in enumerate(never, 1)
+        ]
 
 
 @dataclass(frozen=True)

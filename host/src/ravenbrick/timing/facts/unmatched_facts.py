@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -56,25 +57,30 @@ def check_facts(facts: Facts, image: ElfImage) -> None:
     _check_names(document, image)
 
 
-def _check_names(document: LocatedToml, image: ElfImage) -> None:
-    """Names in tables that are no annotations of code."""
+def _functions(document: LocatedToml) -> Iterator[tuple[KeyPath, str]]:
+    """Functions that such tables name, with where."""
+
+    def rows(table: str) -> Iterator[tuple[int, Any]]:
+        yield from enumerate(document.values.get(table, []))
+
     for table in NAMING_ONE:
-        for index, row in enumerate(document.values.get(table, [])):
-            name = row.get("symbol")
-            if name is not None and name not in image.symbols:
-                problem = f"the image has no function '{name}'{REMEDY}"
-                raise document.error((table, index, "symbol"), problem)
-    for index, row in enumerate(document.values.get("job_kind", [])):
+        for index, row in rows(table):
+            if "symbol" in row:
+                yield (table, index, "symbol"), row["symbol"]
+    for index, row in rows("job_kind"):
         for place, name in enumerate(row.get("never", [])):
-            if name not in image.symbols:
-                problem = f"the image has no function '{name}'{REMEDY}"
-                raise document.error(("job_kind", index, "never", place), problem)
-    for index, row in enumerate(document.values.get("jobs_in_turn", [])):
+            yield ("job_kind", index, "never", place), name
+    for index, row in rows("jobs_in_turn"):
         for turn, names in enumerate(row["never"]):
             for place, name in enumerate(names):
-                if name not in image.symbols:
-                    problem = f"the image has no function '{name}'{REMEDY}"
-                    raise document.error(("jobs_in_turn", index, "never", turn, place), problem)
+                yield ("jobs_in_turn", index, "never", turn, place), name
+
+
+def _check_names(document: LocatedToml, image: ElfImage) -> None:
+    """Names in tables that are no annotations of code."""
+    for place, name in _functions(document):
+        if name not in image.symbols:
+            raise document.error(place, f"the image has no function '{name}'{REMEDY}")
     for table in ("interrupt", "transfer"):
         for index, row in enumerate(document.values.get(table, [])):
             if "unit" in row and not has_unit(image, row["unit"]):

@@ -140,13 +140,12 @@ class JobsOfTasks:
             if kind.task in questions:
                 own = (f"{kind.file}, kind of job '{kind.name}'", kind.annotations)
                 turns = self.facts.in_turn(kind.task)
-                count = 0 if turns is None else len(turns.never)
-                more = [[turns.annotations(turn)] for turn in range(count)] if turns else [[]]
+                left_out = [[turn] for turn in turns.annotations] if turns else [[]]
                 asked = [
                     self._asked([questions[kind.task]], [*stated, own, *each], not stated)[0]
-                    for each in more
+                    for each in left_out
                 ]
-                cycles = tuple(bound.cycles for bound in asked)[:count]
+                cycles = tuple(bound.cycles for bound in asked) if turns else ()
                 found.append((kind, max(asked, key=lambda bound: bound.cycles), cycles))
         return found
 
