@@ -42,10 +42,12 @@ from ravenbrick.timing.observation.fact_counts import (
 from ravenbrick.timing.observation.job_facts import TOLERANCE_CYCLES, FactCount, have_deadline
 from ravenbrick.timing.observation.observed import exceeded, observe, outside_counts
 from ravenbrick.timing.results.result import result_of
+from ravenbrick.trace.flow_counts import ARRIVAL, NO_THREAD
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import jobs_of
 from ravenbrick.trace.task_set import check_shortest_interval
 
+CLOCK_HZ = int(MASTER_CLOCK.hertz)
 OUTSIDE = """[[outside]]
 symbol = "workers__seldom"
 task = "control"
@@ -143,6 +145,33 @@ def test_a_wrong_fact_is_told_with_the_job_and_the_line(
     (excess,) = (count.excess for count in counts if count.excess)
     assert excess.startswith(said)
     assert ", job " in excess and " of control, workers.adb:" in excess
+
+
+def test_a_wrong_target_is_kept_when_it_is_first_and_last_called(tmp_path: Path) -> None:
+    """So one that the elaboration calls as well is told of a job."""
+    wrong = changed(tmp_path, ', "workers__half"', "")
+    counts, recording = counted(wrong)
+    (place,) = (at for at, count in enumerate(counts) if count.excess)
+    found = recording.flow_counts[place]
+    assert found.most > 2 and found.arrivals.size == 2
+    first, last = found.arrivals["at_cycles"]
+    assert last > recording.stop.at_cycles // 2 > first
+
+
+def test_a_fact_is_not_taken_for_true_beyond_the_arrivals_that_are_kept(tmp_path: Path) -> None:
+    found = changed(tmp_path, "[[loop]]", OUTSIDE + "[[loop]]")
+    _, recording = counted(found)
+    points = analysed(found, found.facts).counted
+    (place,) = (at for at, fact in enumerate(points) if fact.table == "avoided")
+    counts = list(recording.flow_counts)
+    # The first was executed in the elaboration, before jobs begin.
+    early = np.array([(CLOCK_HZ // 1_000, 1, NO_THREAD, 0)], ARRIVAL)
+    for dropped, said in ((0, ""), (7, "only the first 1 times that ")):
+        counts[place] = replace(counts[place], arrivals=early, dropped=dropped)
+        run = replace(recording, flow_counts=tuple(counts))
+        told = fact_counts(found.robot, found.facts, found.image, points, run)[place]
+        assert told.excess.startswith(said) and bool(told.excess) == bool(dropped)
+    assert told.excess.endswith(", until 0.001000 s, are looked at: run it shorter")
 
 
 def test_a_search_after_which_the_task_is_released_anew_is_outside(tmp_path: Path) -> None:

@@ -238,7 +238,7 @@ def test_jobs_that_execute_what_their_turn_leaves_out_are_told() -> None:
     assert {fact.turn for fact in points} == {(0, stated.task), (1, stated.task)}
     scenario = replace(read_scenario(scenario_path(VEHICLE, "step"), robot), duration_ms=1_000)
     recording = VirtualTarget(flow_points=points_text(points)).run(robot, scenario, image)
-    assert all(len(count["arrivals"]) > 200 for count in recording.flow_counts)
+    assert all(count.arrivals.size > 200 for count in recording.flow_counts)
     told = [
         [count.excess for count in fact_counts(robot, each, image, counted, recording)
          if "[[jobs_in_turn]]" in count.fact and count.excess]
@@ -292,6 +292,7 @@ def test_a_job_takes_no_longer_than_its_longest_kind_unless_it_waits_inside(wait
         ('task = "control_task"', 'task = "controltask"', "robot.toml has no task 'controltask'"),
         ('"driving__start"', '"driving__begin"', "the image has no function 'driving__begin'"),
         ('"nxt__avr__inputs"', '"nxt__avr__input"', "the image has no function 'nxt__avr__input'"),
+        ('"control_task"\nnever', '"display_task"\nnever', "no ..job_kind.. is of 'display_task'"),
     ],
 )
 def test_a_kind_of_job_that_matches_nothing_is_refused_with_its_line(
@@ -301,6 +302,7 @@ def test_a_kind_of_job_that_matches_nothing_is_refused_with_its_line(
     kind = '[[job_kind]]\ntask = "control_task"\nname = "a"\nnever = ["driving__start"]\n'
     kind += 'reason = "it has started"\n[[jobs_in_turn]]\ntask = "control_task"\n'
     kind += 'never = [[], ["nxt__avr__inputs"]]\nreason = "a test"\n'
+    kind = f'[[common_release]]\ntasks = ["control_task"]\nreason = ""\n{kind}'
     (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
     for text in (kind, kind.replace(old, new)):
         (tmp_path / "timing.toml").write_text(f"schema_version = 1\n{text}")
@@ -309,6 +311,16 @@ def test_a_kind_of_job_that_matches_nothing_is_refused_with_its_line(
     with pytest.raises(ProjectFileError, match=said) as refused:
         check_facts(read_facts(read_robot(tmp_path)), image)
     assert refused.value.line == text[: text.index(new)].count("\n") + 2
+
+
+def test_turns_of_a_task_without_a_common_release_are_refused(tmp_path: Path) -> None:
+    image = run()[2]
+    text = 'schema_version = 1\n[[jobs_in_turn]]\ntask = "coprocessor_task"\nnever = [[], []]\n'
+    (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
+    (tmp_path / "timing.toml").write_text(f'{text}reason = "a test"\n')
+    with pytest.raises(ProjectFileError, match="'coprocessor_task' has no ..common_release") as found:
+        check_facts(read_facts(read_robot(tmp_path)), image)
+    assert found.value.line == 3
 
 
 @pytest.mark.parametrize("seed", range(20))

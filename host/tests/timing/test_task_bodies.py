@@ -10,6 +10,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from ravenbrick.image.build import TOOLS, find_tool
@@ -24,6 +25,7 @@ from verification.support.timing.programs import built, subject
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.initial_state import elaborated, executed_bodies
 from ravenbrick.timing.task_set.jobs import body_of
+from ravenbrick.trace.flow_counts import ARRIVAL, NO_THREAD
 
 
 def test_tasks_of_a_type_have_its_body() -> None:
@@ -46,15 +48,15 @@ def test_what_a_task_executes_counts_and_its_name_if_it_has_not_begun() -> None:
 
 def test_a_body_is_what_a_task_executes_first() -> None:
     """Not what it calls, whatever that is named."""
-    arrivals: dict[str, list[Any]] = {
-        "rooms__controlTKB": [[90, 1]],
-        "setTB": [[20, None], [100, 1], [200, 1]],
+    arrivals = {
+        "rooms__controlTKB": [(90, 1, 1, 0)],
+        "setTB": [(20, 1, NO_THREAD, 0), (100, 1, 1, 0), (200, 1, 1, 0)],
     }
-    counts = [
-        {"arrivals": [{"at_cycles": at, "thread": thread} for at, thread in each]}
-        for each in arrivals.values()
-    ]
     threads = [SimpleNamespace(name="environment"), SimpleNamespace(name="Control")]
-    brick = SimpleNamespace(threads=lambda: threads, flow_counts=lambda: json.dumps(counts))
+    brick = SimpleNamespace(
+        threads=lambda: threads,
+        flow_counts=lambda: json.dumps([{"most": 0, "dropped": 0} for _ in arrivals]),
+        flow_arrivals=lambda: [np.array(each, ARRIVAL).tobytes() for each in arrivals.values()],
+    )
     image: Any = SimpleNamespace(symbols=arrivals)
     assert executed_bodies(brick, image) == {"control": "rooms__controlTKB"}

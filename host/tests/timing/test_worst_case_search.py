@@ -32,6 +32,7 @@ from ravenbrick.timing.observation.worst_case_search import (
     _nearly_wrong,
     _VariantRunner,
 )
+from ravenbrick.trace.flow_counts import FlowCount, arrivals_of
 from ravenbrick.trace.recording import Recording
 
 
@@ -48,6 +49,7 @@ class Target:
             run_until=lambda _end: None,
             threads=list,
             flow_counts=lambda: "[]",
+            flow_arrivals=list,
             events=lambda: b"",
         )
 
@@ -125,7 +127,7 @@ def test_only_a_disturbed_variant_changes_parameters_to_the_least_number() -> No
 
 
 def test_facts_of_modes_are_told_apart_by_their_numbers() -> None:
-    counts = [{"most": 3, "arrivals": []}, {"most": 5, "arrivals": [1, 2]}]
+    counts = [FlowCount(most, 0, arrivals_of(bytes(24 * n))) for most, n in ((3, 0), (5, 2))]
     assert _nearly_wrong({1: counts[1]}) == {"fact 1": (5, 0), f"fact 1{EXCEEDED}": (2, 0)}
     assert _nearly_wrong(dict(enumerate(counts)))["fact 0"] == (3, 0)
 

@@ -282,6 +282,10 @@ class VirtualBrick:
         """
     def flow_counts(self) -> str:
         """The counts so far in the order of the points: a JSON list of `FlowCount`."""
+    def flow_arrivals(self) -> list[bytes]:
+        """The arrivals so far in the order of the points: u64 cycle and count, u32 position of the
+        thread (0xFFFFFFFF: none) and next instruction, little endian.
+        """
     def profile(self, windows: list[tuple[int, int, int]]) -> None:
         """Note from now on the instructions of threads (by position) from a cycle to another.
 

@@ -36,9 +36,8 @@ from ravenbrick.project.robot import Robot, read_robot
 from ravenbrick.project.scenario import Scenario, read_scenario, scenario_path
 from ravenbrick.project.stimuli import TimedInput
 from ravenbrick.project.workspace import Workspace
-from ravenbrick.trace.recording import (
-    Recording,
-)
+from ravenbrick.trace.flow_counts import flow_counts
+from ravenbrick.trace.recording import Recording
 
 __all__ = ["PeerRun", "VirtualTarget"]
 
@@ -139,7 +138,7 @@ class VirtualTarget:
         transfers = brick.logged_transfers().items()
         return replace(
             recording,
-            flow_counts=tuple(json.loads(brick.flow_counts())),
+            flow_counts=flow_counts(brick),
             profiles=tuple(brick.profiled()),
             transfers={
                 name.replace("USART", "USART "): np.frombuffer(at, "<u8").astype(np.int64)

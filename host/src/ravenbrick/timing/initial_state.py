@@ -22,6 +22,7 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.timing.bounds import Call
+from ravenbrick.trace.flow_counts import flow_counts
 
 __all__ = [
     "ALARM_SOURCE",
@@ -108,12 +109,11 @@ def _bodies(image: ElfImage) -> list[str]:
 def executed_bodies(brick: Any, image: ElfImage) -> dict[str, str]:
     """The body of each task that has begun on an `elaborated` brick, by its name in lower case."""
     names = [thread.name.lower() for thread in brick.threads()]
-    counts = zip(_bodies(image), json.loads(brick.flow_counts()), strict=True)
+    counts = zip(_bodies(image), flow_counts(brick), strict=True)
     begun = [
-        (arrival["at_cycles"], names[arrival["thread"]], body)
+        (int(arrival["at_cycles"]), names[arrival["thread"]], body)
         for body, each in counts
-        for arrival in each["arrivals"]
-        if arrival["thread"] is not None
+        for arrival in each.in_threads
     ]
     # A task begins with its body, which may call what is only named like one.
     return {name: body for _, name, body in sorted(begun, reverse=True)}

@@ -23,6 +23,7 @@ from ravenbrick.clock import Clock
 from ravenbrick.errors import UsageError, shown_path
 from ravenbrick.installation import brick_module
 from ravenbrick.project.stimuli import TimedInput
+from ravenbrick.trace.flow_counts import FlowCount
 
 __all__ = [
     "EVENT_TYPE",
@@ -132,7 +133,7 @@ class Recording:
     screens: tuple[Screen, ...] = ()
     overflows: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
-    flow_counts: tuple[dict[str, Any], ...] = ()
+    flow_counts: tuple[FlowCount, ...] = ()
     transfers: Mapping[str, NDArray[np.int64]] | None = None
     profiles: tuple[bytes, ...] = ()
 

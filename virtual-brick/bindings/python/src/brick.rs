@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
 use trace::{EventKind, NameSpace};
 use virtual_brick_facade::{
-    BrickError, Configuration, Image, ProfileStep, ProfileWindow, ScalarKind, CLOCK_HZ,
+    Arrival, BrickError, Configuration, Image, ProfileStep, ProfileWindow, ScalarKind, CLOCK_HZ,
 };
 
 use crate::debugging::Service;
@@ -385,6 +385,21 @@ impl VirtualBrick {
 
     fn flow_counts(&self) -> PyResult<String> {
         serde_json::to_string(self.0.flow_counts()).map_err(raise::<PyValueError>)
+    }
+
+    fn flow_arrivals<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyBytes>> {
+        let fields = |arrival: &Arrival| {
+            let thread = arrival.thread.map_or(u32::MAX, |index| index as u32);
+            let places = u64::from(arrival.target) << 32 | u64::from(thread);
+            [arrival.at_cycles, arrival.count, places]
+        };
+        let packed = |arrivals: &[Arrival]| {
+            let numbers = arrivals.iter().flat_map(fields);
+            let bytes: Vec<u8> = numbers.flat_map(u64::to_le_bytes).collect();
+            PyBytes::new(py, &bytes)
+        };
+        let counts = self.0.flow_counts().iter();
+        counts.map(|count| packed(&count.arrivals)).collect()
     }
 
     fn profile(&mut self, windows: Vec<(usize, u64, u64)>) {

@@ -10,6 +10,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use arm7tdmi::Step;
+use cpu_time::ProcessTime;
 use virtual_brick::{
     Access, Configuration, Engine, ScalarKind, StepObserver, VirtualBrick, CLOCK_HZ,
 };
@@ -43,42 +44,6 @@ impl StepObserver for Counter {
 struct Took {
     seconds: f64,
     processor_seconds: f64,
-}
-
-struct Start {
-    elapsed: Instant,
-    processor: Option<u64>,
-}
-
-impl Start {
-    fn now() -> Self {
-        let processor = Self::nanoseconds();
-        Self {
-            elapsed: Instant::now(),
-            processor,
-        }
-    }
-
-    fn nanoseconds() -> Option<u64> {
-        let threads = std::fs::read_dir("/proc/self/task").ok()?.flatten();
-        let texts = threads.map(|thread| std::fs::read_to_string(thread.path().join("schedstat")));
-        texts
-            .map(|text| text.ok()?.split(' ').next()?.parse::<u64>().ok())
-            .sum()
-    }
-
-    /// Where the system does not tell processor time, what passed stands for it.
-    fn took(&self) -> Took {
-        let seconds = self.elapsed.elapsed().as_secs_f64();
-        let processor_seconds = match (self.processor, Self::nanoseconds()) {
-            (Some(before), Some(after)) => (after - before) as f64 / 1e9,
-            _ => seconds,
-        };
-        Took {
-            seconds,
-            processor_seconds,
-        }
-    }
 }
 
 fn main() -> ExitCode {
@@ -122,9 +87,12 @@ fn measure() -> Result<String, String> {
         // One after the other in each round: what else the host does disturbs them alike.
         for ((_, engine), times) in ENGINES.iter().zip(&mut times) {
             let mut brick = brick(*engine, &elf)?;
-            let start = Start::now();
+            let (start, processor) = (Instant::now(), ProcessTime::now());
             brick.run_until(cycles);
-            times.push(start.took());
+            times.push(Took {
+                seconds: start.elapsed().as_secs_f64(),
+                processor_seconds: processor.elapsed().as_secs_f64(),
+            });
             let same = brick.processor() == counted.processor();
             if !same || brick.cycles() != counted.cycles() {
                 return Err(format!("{path}: the engines differ at the end"));

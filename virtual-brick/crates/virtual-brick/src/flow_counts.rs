@@ -14,8 +14,9 @@ use crate::brick::VirtualBrick;
 use crate::memory::ChipMemory;
 use crate::threads::Memory;
 
-/// Most arrivals that are kept for a point.
-const ARRIVALS_MAX: usize = 100_000;
+/// Most arrivals that are kept for a point: a place that each job of 4 ms reaches fills them in
+/// four hours.
+const ARRIVALS_MAX: usize = 4_000_000;
 
 /// Activations of the function within which a fact holds.
 fn activations_of(point: &FlowPoint) -> Option<FlowPoint> {
@@ -31,7 +32,7 @@ fn activations_of(point: &FlowPoint) -> Option<FlowPoint> {
 }
 
 /// Something that a fact excludes happened.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Arrival {
     /// When.
     pub at_cycles: u64,
@@ -51,9 +52,23 @@ pub struct FlowCount {
     pub most: u64,
     /// Recursion: most activations in one call from outside.
     pub calls: u64,
-    /// Arrivals at a place, at each other target of a branch the first, entries of a loop and
-    /// calls of a recursion with more than is allowed.
+    /// Arrivals beyond those that are kept.
+    pub dropped: u64,
+    /// Arrivals at a place, at each other target of a branch the first and the last, entries of a
+    /// loop and calls of a recursion with more than is allowed.
+    #[serde(skip)]
     pub arrivals: Vec<Arrival>,
+}
+
+impl FlowCount {
+    /// Keeps an arrival while there is room.
+    fn keep(&mut self, arrival: Arrival) {
+        if self.arrivals.len() < ARRIVALS_MAX {
+            self.arrivals.push(arrival);
+        } else {
+            self.dropped += 1;
+        }
+    }
 }
 
 /// What happens at an instruction, in the order in which it counts.
@@ -303,11 +318,10 @@ impl VirtualBrick {
         if counts {
             found.most = found.most.max(count);
             if count > at_most {
-                let arrivals = &mut found.arrivals;
-                let index = known.unwrap_or(arrivals.len());
-                match arrivals.get_mut(index) {
+                let index = known.unwrap_or(found.arrivals.len());
+                match found.arrivals.get_mut(index) {
                     Some(arrival) => arrival.count = count,
-                    None if index < ARRIVALS_MAX => arrivals.push(Arrival {
+                    None if known.is_none() => found.keep(Arrival {
                         count,
                         ..arrival.clone()
                     }),
@@ -350,11 +364,15 @@ impl VirtualBrick {
         let is_place = matches!(self.flow_counts.points[point], FlowPoint::Place { .. });
         let found = &mut self.flow_counts.counts[point];
         found.most += 1;
-        let known = |other: &Arrival| other.target == arrival.target;
-        let new = is_place || !found.arrivals.iter().any(known);
-        if new && found.arrivals.len() < ARRIVALS_MAX {
-            found.arrivals.push(arrival.clone());
+        if !is_place {
+            let known = found.arrivals.iter_mut();
+            let mut known = known.filter(|other| other.target == arrival.target);
+            if let Some(last) = known.nth(1) {
+                *last = arrival.clone();
+                return;
+            }
         }
+        found.keep(arrival.clone());
     }
 
     fn count_call(&mut self, point: usize, pointer: u32, arrival: &Arrival) {
@@ -370,10 +388,9 @@ impl VirtualBrick {
         let found = &mut self.flow_counts.counts[point];
         found.most = found.most.max(depth);
         found.calls = found.calls.max(number);
-        let exceeds = depth > at_most || number > calls;
-        if exceeds && found.arrivals.len() < ARRIVALS_MAX {
+        if depth > at_most || number > calls {
             let count = if depth > at_most { depth } else { number };
-            found.arrivals.push(Arrival {
+            found.keep(Arrival {
                 count,
                 ..arrival.clone()
             });

@@ -55,6 +55,21 @@ def check_facts(facts: Facts, image: ElfImage) -> None:
         place = (*places[found["file"]], own_names[found["table"]], found["index"], found["field"])
         raise document.error(place, found["reason"] + REMEDY)
     _check_names(document, image)
+    _check_turns(facts, document)
+
+
+def _check_turns(facts: Facts, document: LocatedToml) -> None:
+    """Jobs in turn, of which nothing follows for a task without kinds or a common release."""
+    kinds = {kind.task.lower() for kind in facts.kinds}
+    for index, row in enumerate(document.values.get("jobs_in_turn", [])):
+        task = row["task"]
+        if task.lower() not in kinds:
+            problem = f"no [[job_kind]] is of '{task}', so the turns of its jobs have no effect"
+        elif facts.in_turn(task) is None:
+            problem = f"'{task}' has no [[common_release]], so no job of it is known to be the first"
+        else:
+            continue
+        raise document.error(("jobs_in_turn", index, "task"), problem + REMEDY)
 
 
 def _functions(document: LocatedToml) -> Iterator[tuple[KeyPath, str]]:

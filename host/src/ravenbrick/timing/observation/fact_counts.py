@@ -28,6 +28,7 @@ from ravenbrick.timing.observation.job_facts import (
     rest_counts,
     together_counts,
 )
+from ravenbrick.trace.flow_counts import NO_THREAD, FlowCount
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording
 from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
@@ -123,30 +124,48 @@ class _Run:
         return f"{when}, {name}" if found is None else f"{when}, job {found[0]} of {name}"
 
 
+def _instant(arrival: Any) -> int:
+    return int(arrival["at_cycles"])
+
+
+def _thread(arrival: Any) -> int | None:
+    thread = int(arrival["thread"])
+    return None if thread == NO_THREAD else thread
+
+
 def _code_at(image: ElfImage, address: int) -> str:
     names = [name for name, symbol in image.symbols.items() if symbol.address & ~1 == address]
     return min(names, default=f"{address:#010x}")
 
 
-def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: dict[str, Any]) -> FactCount:
+def _unseen(found: FactCount, count: FlowCount) -> FactCount:
+    """A fact that holds as far as arrivals are kept, where more of them came."""
+    if not count.dropped:
+        return found
+    end = f"{float(count.arrivals['at_cycles'][-1]) / CLOCK_HZ:.6f} s"
+    looked_at = f"the first {count.arrivals.size} times that {found.place} is executed"
+    return replace(found, excess=f"only {looked_at}, until {end}, are looked at: run it shorter")
+
+
+def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: FlowCount) -> FactCount:
     """What the program executes of a fact; one of a mode holds wherever the code is executed."""
-    arrivals = [a for a in count["arrivals"] if a["at_cycles"] >= run.since]
+    arrivals = count.arrivals[count.arrivals["at_cycles"] >= run.since]
     in_jobs = fact.table == "avoided" and not fact.mode
     if in_jobs:
-        arrivals = [a for a in arrivals if run.in_a_job_with_deadline(a["thread"], a["at_cycles"])]
+        arrivals = arrivals[[run.in_a_job_with_deadline(_thread(a), _instant(a)) for a in arrivals]]
     text = fact.fact.replace("[[avoided]]", "[[outside]]" if in_jobs else "[[never]]")
     if fact.mode:
         text = text.replace("[[", "[[mode.")
-    seen = int(count["most"]) if fact.table in ("loop", "recursion") else 0
+    seen = count.most if fact.table in ("loop", "recursion") else 0
     found = FactCount(text, fact.place, fact.declared, min(seen, fact.declared), mode=fact.mode)
-    if not arrivals:
-        return found
-    worst = max(arrivals, key=lambda arrival: int(arrival["count"]))
-    where = f"{run.words(worst['thread'], worst['at_cycles'])}, {fact.place}"
+    if not arrivals.size:
+        return _unseen(found, count)
+    worst = arrivals[arrivals["count"].argmax()]
+    where = f"{run.words(_thread(worst), _instant(worst))}, {fact.place}"
     if fact.table == "call":
-        target = _code_at(image, worst["target"])
+        target = _code_at(image, int(worst["target"]))
         return replace(found, declared=0, seen=1, excess=f"seen the target {target} {where}")
-    seen = len(arrivals) if fact.table in ("never", "avoided") else worst["count"]
+    seen = arrivals.size if fact.table in ("never", "avoided") else int(worst["count"])
     executions = " executions in a job" if in_jobs else " executions"
     units = {"never": executions, "avoided": executions, "recursion": " activations"}
     numbers = f"declared {fact.declared}, seen {seen}{units.get(fact.table, '')}"
@@ -154,7 +173,7 @@ def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: dict[str, 
 
 
 def _turn_count(
-    run: _Run, robot: Robot, facts: Facts, fact: CountedFact, count: dict[str, Any]
+    run: _Run, robot: Robot, facts: Facts, fact: CountedFact, count: FlowCount
 ) -> FactCount:
     """How often jobs of a turn execute what they do not."""
     assert fact.turn is not None
@@ -162,7 +181,7 @@ def _turn_count(
     stated, task = facts.in_turn(name), robot.task(name)
     assert stated is not None and task is not None
     thread = run.recording.thread_index(name)
-    at = np.array([a["at_cycles"] for a in count["arrivals"] if a["thread"] == thread], np.int64)
+    at = count.arrivals["at_cycles"][count.arrivals["thread"] == thread].astype(np.int64)
     release = np.array([job.release_cycles for job in jobs_of(run.recording, thread)], np.int64)
     latest = release[np.searchsorted(release, at, side="right") - 1]
     period = float(MASTER_CLOCK.hertz * (task.period_us or 0) / 1_000_000)
@@ -170,7 +189,7 @@ def _turn_count(
     wrong = at[(number % len(stated.never) == turn) & (at >= run.since)]
     found = FactCount(fact.fact, fact.place, 0, int(wrong.size))
     if not wrong.size:
-        return found
+        return _unseen(found, count)
     excess = f"a job of turn {turn + 1} executes {fact.place} {run.words(thread, int(wrong[0]))}"
     return replace(found, excess=excess)
 

@@ -7,7 +7,6 @@ job of a task is released. A monitor says more than it has to, as fast as the pr
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from collections.abc import Collection, Mapping, Sequence
@@ -30,6 +29,7 @@ from ravenbrick.telemetry.messages import Ask, KeepAlive, SetParameter, encode
 from ravenbrick.timing.observation.job_facts import have_deadline
 from ravenbrick.timing.observation.long_run import cyclic_begin
 from ravenbrick.timing.observation.observed import Observed, observe
+from ravenbrick.trace.flow_counts import FlowCount, flow_counts
 from ravenbrick.trace.recording import EventKind, Recording, decode_events
 
 __all__ = ["WorstSample", "largest", "search_worst_case"]
@@ -256,19 +256,18 @@ class _VariantRunner:
             scenario = replace(scenario, monitor=_talking(inputs, scenario.monitor))
         return self._target.run(self._robot, scenario, self._image)
 
-    def play(self, inputs: Sequence[TimedInput]) -> tuple[Longest, list[dict[str, Any]]]:
+    def play(self, inputs: Sequence[TimedInput]) -> tuple[Longest, Sequence[FlowCount]]:
         """Longest response of each task after the start of all of them with the release of that
         job, and what was counted about facts."""
         if self._quiet.peer is not None or self._quiet.monitor is not None:
             found = self.recording(inputs)
             names = [thread.name for thread in found.threads]
-            return self._longest(found.events, names), list(found.flow_counts)
+            return self._longest(found.events, names), found.flow_counts
         scenario = replace(self._quiet, stimuli=tuple(inputs))
         brick = self._target.prepare(self._robot, scenario, self._image)
         brick.run_until(self.end)
         names = [thread.name for thread in brick.threads()]
-        counts: list[dict[str, Any]] = json.loads(brick.flow_counts())
-        return self._longest(decode_events(brick.events()), names), counts
+        return self._longest(decode_events(brick.events()), names), flow_counts(brick)
 
     def _longest(self, events: NDArray[np.void], names: list[str]) -> Longest:
         since = cyclic_begin(events, names, self._robot)
@@ -292,14 +291,14 @@ def _keep(worst: dict[str, WorstSample], found: Longest, variant: int, inputs: A
             worst[name] = WorstSample(name, response, variant, inputs, release)
 
 
-def _nearly_wrong(counts: Mapping[int, dict[str, Any]]) -> Longest:
+def _nearly_wrong(counts: Mapping[int, FlowCount]) -> Longest:
     """What a search for wrong facts raises: most executions, and then how often they are too
     many; by the number of the fact."""
-    most = {f"fact {number}": (int(count["most"]), 0) for number, count in counts.items()}
+    most = {f"fact {number}": (count.most, 0) for number, count in counts.items()}
     wrong = {
-        f"fact {number}{EXCEEDED}": (len(count["arrivals"]), 0)
+        f"fact {number}{EXCEEDED}": (count.arrivals.size, 0)
         for number, count in counts.items()
-        if count["arrivals"]
+        if count.arrivals.size
     }
     return most | wrong
 
