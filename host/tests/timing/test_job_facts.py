@@ -318,7 +318,7 @@ def test_turns_of_a_task_without_a_common_release_are_refused(tmp_path: Path) ->
     text = 'schema_version = 1\n[[jobs_in_turn]]\ntask = "coprocessor_task"\nnever = [[], []]\n'
     (tmp_path / "robot.toml").write_text((VEHICLE / "robot.toml").read_text())
     (tmp_path / "timing.toml").write_text(f'{text}reason = "a test"\n')
-    with pytest.raises(ProjectFileError, match="'coprocessor_task' has no ..common_release") as found:
+    with pytest.raises(ProjectFileError, match=r"_task' has no ..common_release") as found:
         check_facts(read_facts(read_robot(tmp_path)), image)
     assert found.value.line == 3
 

@@ -30,7 +30,7 @@ class FlowCount:
     @property
     def in_threads(self) -> NDArray[np.void]:
         """Arrivals while a thread runs."""
-        return self.arrivals[self.arrivals["thread"] != NO_THREAD]
+        return np.asarray(self.arrivals[self.arrivals["thread"] != NO_THREAD])
 
 
 def arrivals_of(packed: bytes) -> NDArray[np.void]:

@@ -8,14 +8,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
 use trace::{EventKind, NameSpace};
-use virtual_brick_facade::{
-    Arrival, BrickError, Configuration, Image, ProfileStep, ProfileWindow, ScalarKind, CLOCK_HZ,
-};
+use virtual_brick_facade::{BrickError, Configuration, Image, ProfileWindow, ScalarKind, CLOCK_HZ};
 
 use crate::debugging::Service;
 use crate::errors::{raise, AddressError, ConfigurationError, ImageError, InputError};
 use crate::transports::{self, Completion, Message};
-use crate::values::{packed, Stop, Thread};
+use crate::values::{packed, packed_arrivals, packed_steps, Stop, Thread};
 
 /// Python's signals (Ctrl-C) are polled this often: a tenth of a virtual second.
 const SIGNAL_CHECK_CYCLES: u64 = 4_805_486;
@@ -388,18 +386,9 @@ impl VirtualBrick {
     }
 
     fn flow_arrivals<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyBytes>> {
-        let fields = |arrival: &Arrival| {
-            let thread = arrival.thread.map_or(u32::MAX, |index| index as u32);
-            let places = u64::from(arrival.target) << 32 | u64::from(thread);
-            [arrival.at_cycles, arrival.count, places]
-        };
-        let packed = |arrivals: &[Arrival]| {
-            let numbers = arrivals.iter().flat_map(fields);
-            let bytes: Vec<u8> = numbers.flat_map(u64::to_le_bytes).collect();
-            PyBytes::new(py, &bytes)
-        };
         let counts = self.0.flow_counts().iter();
-        counts.map(|count| packed(&count.arrivals)).collect()
+        let packed = counts.map(|count| packed_arrivals(py, &count.arrivals));
+        packed.collect()
     }
 
     fn profile(&mut self, windows: Vec<(usize, u64, u64)>) {
@@ -407,13 +396,8 @@ impl VirtualBrick {
     }
 
     fn profiled<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyBytes>> {
-        let words = |step: &ProfileStep| [step.address, step.cycles, step.transfers];
-        let packed = |steps: &[ProfileStep]| {
-            let words = steps.iter().flat_map(words);
-            let bytes: Vec<u8> = words.flat_map(u32::to_le_bytes).collect();
-            PyBytes::new(py, &bytes)
-        };
-        self.0.profiled().into_iter().map(packed).collect()
+        let windows = self.0.profiled().into_iter();
+        windows.map(|steps| packed_steps(py, steps)).collect()
     }
 
     fn log_transfers(&mut self) {

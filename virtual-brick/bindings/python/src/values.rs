@@ -4,6 +4,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use virtual_brick_facade::{Arrival, ProfileStep};
 
 /// Why a run ended, when, and a sentence.
 #[pyclass(module = "virtual_brick", frozen, get_all, eq)]
@@ -97,4 +98,24 @@ pub(crate) fn packed<'py, T: Copy>(
         }
         Ok(())
     })
+}
+
+/// Arrivals at the place of a flow fact.
+pub(crate) fn packed_arrivals<'py>(py: Python<'py>, arrivals: &[Arrival]) -> Bound<'py, PyBytes> {
+    let fields = |arrival: &Arrival| {
+        let thread = arrival.thread.map_or(u32::MAX, |index| index as u32);
+        let places = u64::from(arrival.target) << 32 | u64::from(thread);
+        [arrival.at_cycles, arrival.count, places]
+    };
+    let numbers = arrivals.iter().flat_map(fields);
+    let bytes: Vec<u8> = numbers.flat_map(u64::to_le_bytes).collect();
+    PyBytes::new(py, &bytes)
+}
+
+/// Instructions of a profile.
+pub(crate) fn packed_steps<'py>(py: Python<'py>, steps: &[ProfileStep]) -> Bound<'py, PyBytes> {
+    let words = |step: &ProfileStep| [step.address, step.cycles, step.transfers];
+    let words = steps.iter().flat_map(words);
+    let bytes: Vec<u8> = words.flat_map(u32::to_le_bytes).collect();
+    PyBytes::new(py, &bytes)
 }

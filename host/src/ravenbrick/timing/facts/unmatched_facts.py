@@ -66,7 +66,7 @@ def _check_turns(facts: Facts, document: LocatedToml) -> None:
         if task.lower() not in kinds:
             problem = f"no [[job_kind]] is of '{task}', so the turns of its jobs have no effect"
         elif facts.in_turn(task) is None:
-            problem = f"'{task}' has no [[common_release]], so no job of it is known to be the first"
+            problem = f"'{task}' has no [[common_release]], so its first job is not known"
         else:
             continue
         raise document.error(("jobs_in_turn", index, "task"), problem + REMEDY)
