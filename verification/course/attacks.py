@@ -114,6 +114,27 @@ def _late(hides: str) -> Callable[[Path, Place], object]:
     return lambda path, place: write_submission(path, text, **{"extra.c": c})
 
 
+def _moved_work(path: Path, place: Place) -> None:
+    """The job of the control task, late, in a task of its own; the control task only waits."""
+    _late("void hide(void) {}")(path, place)
+    body, specification = path / "src" / "tasks.adb", path / "src" / "tasks.ads"
+    empty = """   task body Control_Task is
+      Next_Release : Time := First_Release;
+   begin
+      loop
+         delay until Next_Release;
+         Next_Release := Next_Release + Control_Period;
+      end loop;
+   end Control_Task;
+
+"""
+    text = body.read_text().replace("Control_Task", "Worker_Task")
+    body.write_text(text.replace("   task body Worker_Task", f"{empty}   task body Worker_Task"))
+    worker = "   task Worker_Task with Priority => 2, Storage_Size => 2048;\n"
+    text = specification.read_text().replace("   task Control_", f"{worker}   task Control_", 1)
+    specification.write_text(text)
+
+
 def _answers(text: str) -> Callable[[Path, Place], object]:
     def make(path: Path, place: Place) -> None:
         write_submission(path)
@@ -433,6 +454,8 @@ BRICK = [
         write_submission(path, TASKS.replace("Control_Task", "Other_Task"), **{
             "tasks.ads": SOURCES["tasks.ads"].replace("Control_Task", "Other_Task")})),
         "control_task", 9),
+    Attack("moved-work", "a late job of a task that robot.toml does not name, beside an empty one",
+        _moved_work, "'worker_task' is none of the assignment's", 9),
     Attack("constant", "prints the count of the public scenario", _body(
         "Put_Noupdate (Presses.Count);", "Put_Noupdate (Integer'(2));"), "presses 2", 9),
 ]  # fmt: skip

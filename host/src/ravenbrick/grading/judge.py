@@ -38,6 +38,7 @@ from ravenbrick.trace.verdict import expects_fault, judge
 GUARDED = {"guards_threads": True}
 # The run-time sets its alarms some cycles early.
 EARLY_CYCLES = 48
+ENVIRONMENT = "environment"
 CheckedRun = tuple[Recording, RunMeasures]
 
 
@@ -106,13 +107,20 @@ def _check_clock(recording: Recording) -> None:
 
 
 def _check_releases(robot: Robot, tasks: Sequence[Task], recording: Recording) -> None:
-    """Raise `RavenbrickError` for a task that is absent or not released as the assignment says.
+    """Raise `RavenbrickError` for a task that is absent or not released as the assignment says, and
+    for one that it does not name.
 
-    A task under another name has no deadline, and would miss none. A job ends where its task
-    waits, so a wait in the middle would make two short jobs of a long one.
+    A task under another name has no deadline, and would miss none, whatever it does for the others.
+    A job ends where its task waits: a wait in the middle would make two short jobs of a long one.
     """
     found = {thread.name.lower() for thread in recording.threads}
     _check_clock(recording)
+    others = found - {task.name.lower() for task in robot.tasks} - {ENVIRONMENT}
+    if tasks and others:
+        raise RavenbrickError(
+            f"the task '{min(others)}' is none of the assignment's, so its work would have no "
+            "deadline; let the assignment's tasks do it"
+        )
     for task in tasks:
         if task.name.lower() not in found:
             raise RavenbrickError(
