@@ -39,7 +39,7 @@ class CustomFunction(Block):
     `function` takes as many numbers as the block has inputs, of the block's numpy type, and gives
     one; its parameters' names are those of the C. `c` and `ada` are the bodies of the same
     function, such as `return a * b;`. Nothing checks them against each other but the comparison of
-    simulation and code (`random_vectors`, `check_program`). State belongs into delays around it.
+    simulation and code (`random_vectors`, `check_program`). State belongs in delays around it.
     """
 
     function: Callable[..., float] = field(default=float, repr=False, compare=False)
