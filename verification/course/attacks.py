@@ -118,18 +118,10 @@ def _moved_work(path: Path, place: Place) -> None:
     """The job of the control task, late, in a task of its own; the control task only waits."""
     _late("void hide(void) {}")(path, place)
     body, specification = path / "src" / "tasks.adb", path / "src" / "tasks.ads"
-    empty = """   task body Control_Task is
-      Next_Release : Time := First_Release;
-   begin
-      loop
-         delay until Next_Release;
-         Next_Release := Next_Release + Control_Period;
-      end loop;
-   end Control_Task;
-
-"""
+    waits = "delay until Next; Next := Next + Control_Period;"
+    empty = f"task body Control_Task is Next : Time := First_Release; begin loop {waits} end loop;"
     text = body.read_text().replace("Control_Task", "Worker_Task")
-    body.write_text(text.replace("   task body Worker_Task", f"{empty}   task body Worker_Task"))
+    body.write_text(text.replace("task body W", f"{empty} end Control_Task; task body W"))
     worker = "   task Worker_Task with Priority => 2, Storage_Size => 2048;\n"
     text = specification.read_text().replace("   task Control_", f"{worker}   task Control_", 1)
     specification.write_text(text)

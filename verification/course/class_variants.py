@@ -141,7 +141,10 @@ def page(rows: list[Measured], before: str) -> str:
 
 def main(count: int = COUNT) -> list[Measured]:
     """Measure all sheets; write the page for the whole class, or for none what is not measured."""
-    rows = [measure(sheet, count) for sheet in SHEETS] if count else []
+    rows = []
+    for sheet in SHEETS if count else ():
+        print(f"{sheet}: {count} students", file=sys.stderr, flush=True)
+        rows.append(measure(sheet, count))
     if count in (0, COUNT):
         PAGE.write_text(page(rows, PAGE.read_text("utf-8")), encoding="utf-8")
     return rows

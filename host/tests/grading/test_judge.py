@@ -96,16 +96,18 @@ def test_a_job_before_its_instant_shows_that_the_clock_was_moved(
 @pytest.mark.parametrize("other", ["worker_task", "display_task", "environment"])
 def test_the_work_of_a_task_that_has_no_deadline_is_told(other: str) -> None:
     """Where deadlines are judged; the main procedure is a task of every program."""
-    robot = read_rubric(RUBRIC).robot
-    names = {task.name for task in robot.tasks} | {"environment", other}
+    rubric = read_rubric(RUBRIC)
+    tasks = rubric.robot.tasks
+    names = {task.name for task in tasks} | {"environment", other}
     threads = tuple(Thread(name, at, 4000, 1000) for at, name in enumerate(sorted(names)))
     run = replace(preempted(), threads=threads, events=preempted().events[:0])
-    judge._check_releases(robot, (), run)
+    judge._check_releases(rubric, (), run)
+    judge._check_releases(replace(rubric, other_tasks=True), tasks, run)
     if other != "worker_task":
-        judge._check_releases(robot, robot.tasks, run)
+        judge._check_releases(rubric, tasks, run)
         return
     with pytest.raises(RavenbrickError, match="task 'worker_task' is none of the assignment's"):
-        judge._check_releases(robot, robot.tasks, run)
+        judge._check_releases(rubric, tasks, run)
 
 
 def test_the_judge_starts_without_the_plant_models() -> None:

@@ -57,6 +57,15 @@ reason = ""
 """
 
 
+FLOW = """[[flow]]
+symbol = "workers__sum"
+lines = ["workers.adb:46"]
+at_most = {at_most}
+reason = ""
+
+"""
+
+
 def test_what_happens_in_a_handler_is_said_to_be_there() -> None:
     """Not in the job that it interrupts, and no longer after it."""
     run = fact_counts_of._Run(read_robot(ROOT / "examples" / "blank"), preempted())
@@ -136,6 +145,8 @@ def test_all_engines_count_the_same(engine: str) -> None:
          "declared 0, seen 1 executions at "),
         ("[[loop]]", OUTSIDE + "[[loop]]",
          "declared 0, seen 1 executions in a job at "),
+        ("[[loop]]", FLOW.format(at_most=39) + "[[loop]]",
+         "declared 39, seen 40 executions in one call at "),
     ],
 )  # fmt: skip
 def test_a_wrong_fact_is_told_with_the_job_and_the_line(
@@ -145,6 +156,12 @@ def test_a_wrong_fact_is_told_with_the_job_and_the_line(
     (excess,) = (count.excess for count in counts if count.excess)
     assert excess.startswith(said)
     assert ", job " in excess and " of control, workers.adb:" in excess
+
+
+def test_lines_are_counted_in_each_call_of_their_function_anew(tmp_path: Path) -> None:
+    counts, _ = counted(changed(tmp_path, "[[loop]]", FLOW.format(at_most=40) + "[[loop]]"))
+    (flow,) = (count for count in counts if "[[flow]]" in count.fact)
+    assert (flow.place, flow.declared, flow.seen, flow.excess) == ("workers.adb:46", 40, 40, "")
 
 
 def test_a_wrong_target_is_kept_when_it_is_first_and_last_called(tmp_path: Path) -> None:

@@ -106,17 +106,17 @@ def _check_clock(recording: Recording) -> None:
         )
 
 
-def _check_releases(robot: Robot, tasks: Sequence[Task], recording: Recording) -> None:
+def _check_releases(rubric: Rubric, tasks: Sequence[Task], recording: Recording) -> None:
     """Raise `RavenbrickError` for a task that is absent or not released as the assignment says, and
-    for one that it does not name.
+    for one that it does not name unless it allows others.
 
     A task under another name has no deadline, and would miss none, whatever it does for the others.
     A job ends where its task waits: a wait in the middle would make two short jobs of a long one.
     """
     found = {thread.name.lower() for thread in recording.threads}
     _check_clock(recording)
-    others = found - {task.name.lower() for task in robot.tasks} - {ENVIRONMENT}
-    if tasks and others:
+    others = found - {task.name.lower() for task in rubric.robot.tasks} - {ENVIRONMENT}
+    if tasks and others and not rubric.other_tasks:
         raise RavenbrickError(
             f"the task '{min(others)}' is none of the assignment's, so its work would have no "
             "deadline; let the assignment's tasks do it"
@@ -127,7 +127,7 @@ def _check_releases(robot: Robot, tasks: Sequence[Task], recording: Recording) -
                 f"there is no task '{task.name}', whose deadlines are judged; name it so"
             )
         try:
-            check_release(robot, recording, task.name)
+            check_release(rubric.robot, recording, task.name)
         except ProjectFileError as error:
             raise RavenbrickError(
                 f"the task '{task.name}' is not released as the assignment says: {error.field} "
@@ -168,7 +168,7 @@ def _judge_run(rubric: Rubric, runs: _Runs, check: Check, seed: int | None) -> t
     judged = _judged_tasks(rubric.robot, scenario.expectations)
     if check.kind == "race":
         judged = [task for task in rubric.robot.tasks if task.deadline_us]
-    _check_releases(rubric.robot, judged, recording)
+    _check_releases(rubric, judged, recording)
     if check.kind in ("criteria", "race"):
         results = evaluate_criteria(scenario, measures)
         missed = [result.label for result in results if not result.met]

@@ -91,6 +91,7 @@ class Rubric:
     digest: str
     individual: Individual | None = None
     robot_text: bytes | None = None
+    other_tasks: bool = False
 
     def variant(self, key: bytes, student: str) -> Variant:
         """The student's robot and numbers; raises `UsageError` where all have the same."""
@@ -283,5 +284,6 @@ def read_rubric(path: Path) -> Rubric:
         limits=Limits(**values.get("limits", {})),
         checks=checks,
         robot=robot,
+        other_tasks=values.get("other_tasks", False),
         digest=hashlib.sha256(f"{__version__} {_tools_digest()} {names}".encode()).hexdigest(),
     )

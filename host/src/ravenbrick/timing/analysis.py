@@ -40,7 +40,7 @@ from ravenbrick.timing.initial_state import (
     attached_handlers,
     executed_bodies,
 )
-from ravenbrick.timing.ipet import longest_path
+from ravenbrick.timing.ipet import flow_point, longest_path
 from ravenbrick.timing.kernel import (
     DISPATCH,
     InterruptCost,
@@ -179,9 +179,11 @@ def _check_ceilings(robot: Robot, job: Bound, task: Task, objects: Any) -> None:
 
 def _solved(
     image: ElfImage, facts: Facts, annotations: Annotations, timing: str
-) -> list[tuple[str, str]]:
-    """Costs of the functions for which there are facts about their paths."""
+) -> tuple[list[tuple[str, str]], tuple[CountedFact, ...]]:
+    """Costs of the functions for which there are facts about their paths, and what is counted of
+    these."""
     costs: list[dict[str, Any]] = []
+    counted = []
     for symbol in sorted({fact.symbol for fact in facts.flows}):
         known = ("longest paths", annotations_of({"cost": costs}))
         found = execution_times(
@@ -192,9 +194,13 @@ def _solved(
             timing=timing,
         ).functions[0]
         own = [fact for fact in facts.flows if fact.symbol == symbol]
-        cycles = longest_path(found.graph or {}, own)
-        costs.append({"symbol": symbol, "cycles": min(cycles, found.cycles)})
-    return [("longest paths", annotations_of({"cost": costs}))] if costs else []
+        graph = found.graph or {}
+        costs.append({"symbol": symbol, "cycles": min(longest_path(graph, own), found.cycles)})
+        for fact in own:
+            text, place = f'{facts.name}: [[flow]] symbol = "{symbol}"', ", ".join(fact.lines)
+            of_run = flow_point(graph, fact)
+            counted.append(CountedFact(text, facts.name, "flow", place, fact.at_most, of_run))
+    return [("longest paths", annotations_of({"cost": costs}))] if costs else [], tuple(counted)
 
 
 def _handlers_stack_bytes(image: ElfImage) -> int:
@@ -307,7 +313,8 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
     expiring = handlers_of_events(image, attached)
     objects, annotations = known_facts(robot, image, facts, expiring)
     tasks = [task for task in robot.tasks if task.release != "background"]
-    annotations += _solved(image, facts, annotations, timing)
+    solved, of_paths = _solved(image, facts, annotations, timing)
+    annotations += solved
     kernel = services(image, annotations, timing)
     releasing = [expiry_facts(()), *annotations] if expiring else annotations
     costs = interrupt_costs(image, attached, releasing, timing)
@@ -358,7 +365,7 @@ def _analyse(robot: Robot, image: ElfImage, brick: Any, facts: Facts, timing: st
         events,
         tuple(task.name for task in transfers),
         background,
-        _counted(image, roots, facts, annotations),
+        _counted(image, roots, facts, annotations) + of_paths,
         _handlers_stack_bytes(image),
         environment,
         requests_of(facts, costs, [*jobs, *background.all_threads]),

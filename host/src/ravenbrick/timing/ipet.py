@@ -16,7 +16,7 @@ import numpy as np
 
 from ravenbrick.timing.bounds import ExecutionTimeError
 
-__all__ = ["FlowFact", "longest_path"]
+__all__ = ["FlowFact", "flow_point", "longest_path"]
 
 Edge = tuple[int, int | None, int]
 
@@ -86,8 +86,9 @@ def _repeats_row(graph: dict[str, Any], loop: dict[str, Any], edges: Sequence[Ed
     return _Row(tuple(terms), most if around == 0 else 0)
 
 
-def _fact_row(graph: dict[str, Any], edges: Sequence[Edge], fact: FlowFact) -> _Row:
-    terms, most = [], fact.at_most
+def _first_blocks(graph: dict[str, Any], fact: FlowFact) -> list[int]:
+    """The first block of each line; raises `ExecutionTimeError` where there is none."""
+    first = []
     for line in fact.lines:
         holds = [
             index
@@ -99,7 +100,21 @@ def _fact_row(graph: dict[str, Any], edges: Sequence[Edge], fact: FlowFact) -> _
                 f"[[flow]] of {fact.symbol}: no block has the line {line}; name file and line of "
                 "a statement in this function"
             )
-        first = min(holds, key=lambda index: int(graph["blocks"][index]["address"]))
+        first.append(min(holds, key=lambda index: int(graph["blocks"][index]["address"])))
+    return first
+
+
+def flow_point(graph: dict[str, Any], fact: FlowFact) -> dict[str, Any]:
+    """Where a run counts the fact, as the virtual brick takes it."""
+    address = [int(block["address"]) for block in graph["blocks"]]
+    places = [address[block] for block in _first_blocks(graph, fact)]
+    at_most = fact.at_most
+    return {"kind": "together", "entry": address[0], "addresses": places, "at_most": at_most}
+
+
+def _fact_row(graph: dict[str, Any], edges: Sequence[Edge], fact: FlowFact) -> _Row:
+    terms, most = [], fact.at_most
+    for first in _first_blocks(graph, fact):
         terms += [(number, 1) for number, edge in enumerate(edges) if edge[1] == first]
         most -= int(first == 0)
     return _Row(tuple(terms), most)

@@ -31,6 +31,15 @@ pub enum FlowPoint {
         /// Its instructions.
         addresses: Vec<u32>,
     },
+    /// Executions of instructions in one call of their function.
+    Together {
+        /// The function's first instruction.
+        entry: u32,
+        /// The instructions.
+        addresses: Vec<u32>,
+        /// Executions of them all that are allowed.
+        at_most: u64,
+    },
     /// Arrivals elsewhere than at some targets.
     Branch {
         /// The indirect branch.

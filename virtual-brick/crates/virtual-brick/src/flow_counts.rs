@@ -48,14 +48,14 @@ pub struct Arrival {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FlowCount {
     /// Loop: most executions of the first block for one entry. Recursion: most activations at the
-    /// same time. Else the number of arrivals.
+    /// same time. Together: most executions in one call. Else the number of arrivals.
     pub most: u64,
     /// Recursion: most activations in one call from outside.
     pub calls: u64,
     /// Arrivals beyond those that are kept.
     pub dropped: u64,
-    /// Arrivals at a place, at each other target of a branch the first and the last, entries of a
-    /// loop and calls of a recursion with more than is allowed.
+    /// Arrivals at a place, at each other target of a branch the first and the last, and what is
+    /// more than allowed: entries of a loop, calls of a recursion, executions in one call.
     #[serde(skip)]
     pub arrivals: Vec<Arrival>,
 }
@@ -69,6 +69,14 @@ impl FlowCount {
             self.dropped += 1;
         }
     }
+
+    /// Keeps an arrival with the number that the fact bounds.
+    fn keep_counted(&mut self, count: u64, arrival: &Arrival) {
+        self.keep(Arrival {
+            count,
+            ..arrival.clone()
+        });
+    }
 }
 
 /// What happens at an instruction, in the order in which it counts.
@@ -78,6 +86,7 @@ enum Role {
     Header,
     Entry,
     Repeat,
+    Part,
     Place,
     Branch,
     Return,
@@ -108,7 +117,8 @@ pub(crate) struct FlowCounts {
     /// Loops on the way back to their first block.
     repeating: BTreeSet<(usize, u32)>,
     /// By point and thread, none for handlers, which have a stack of their own: stack pointers of
-    /// the open activations, and activations since the outermost one.
+    /// the open activations, and activations since the outermost one; or none, and executions
+    /// since the last call.
     open: BTreeMap<(usize, Option<usize>), (Vec<u32>, u64)>,
 }
 
@@ -147,6 +157,12 @@ impl FlowCounts {
                 }
                 FlowPoint::Place { addresses } => add(addresses, Role::Place),
                 FlowPoint::Branch { address, .. } => add(&[*address], Role::Branch),
+                FlowPoint::Together {
+                    entry, addresses, ..
+                } => {
+                    add(&[*entry], Role::Call);
+                    add(addresses, Role::Part);
+                }
                 FlowPoint::Recursion { entry, returns, .. } => {
                     add(&[*entry], Role::Call);
                     add(returns, Role::Return);
@@ -241,6 +257,7 @@ impl VirtualBrick {
                         self.count_loop(key, 1, &arrival);
                     }
                 }
+                Role::Part => self.count_together(point, &arrival),
                 Role::Place => self.count_arrival(point, &arrival),
                 Role::Branch if !went_on && !self.is_allowed(point, arrival.target) => {
                     self.count_arrival(point, &arrival);
@@ -321,10 +338,7 @@ impl VirtualBrick {
                 let index = known.unwrap_or(found.arrivals.len());
                 match found.arrivals.get_mut(index) {
                     Some(arrival) => arrival.count = count,
-                    None if known.is_none() => found.keep(Arrival {
-                        count,
-                        ..arrival.clone()
-                    }),
+                    None if known.is_none() => found.keep_counted(count, arrival),
                     None => {}
                 }
                 place = Some(index);
@@ -375,11 +389,27 @@ impl VirtualBrick {
         found.keep(arrival.clone());
     }
 
-    fn count_call(&mut self, point: usize, pointer: u32, arrival: &Arrival) {
-        let FlowPoint::Recursion { at_most, calls, .. } = self.flow_counts.points[point] else {
+    fn count_together(&mut self, point: usize, arrival: &Arrival) {
+        let FlowPoint::Together { at_most, .. } = self.flow_counts.points[point] else {
             return;
         };
         let key = (point, self.executing_thread());
+        let (_, number) = self.flow_counts.open.entry(key).or_default();
+        *number += 1;
+        let count = *number;
+        let found = &mut self.flow_counts.counts[point];
+        found.most = found.most.max(count);
+        if count > at_most {
+            found.keep_counted(count, arrival);
+        }
+    }
+
+    fn count_call(&mut self, point: usize, pointer: u32, arrival: &Arrival) {
+        let key = (point, self.executing_thread());
+        let FlowPoint::Recursion { at_most, calls, .. } = self.flow_counts.points[point] else {
+            self.flow_counts.open.remove(&key);
+            return;
+        };
         let (open, number) = self.flow_counts.open.entry(key).or_default();
         open.retain(|outer| *outer > pointer);
         *number = if open.is_empty() { 1 } else { *number + 1 };
@@ -389,11 +419,7 @@ impl VirtualBrick {
         found.most = found.most.max(depth);
         found.calls = found.calls.max(number);
         if depth > at_most || number > calls {
-            let count = if depth > at_most { depth } else { number };
-            found.keep(Arrival {
-                count,
-                ..arrival.clone()
-            });
+            found.keep_counted(if depth > at_most { depth } else { number }, arrival);
         }
     }
 }

@@ -156,7 +156,7 @@ def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: FlowCount)
     text = fact.fact.replace("[[avoided]]", "[[outside]]" if in_jobs else "[[never]]")
     if fact.mode:
         text = text.replace("[[", "[[mode.")
-    seen = count.most if fact.table in ("loop", "recursion") else 0
+    seen = count.most if fact.table in ("loop", "recursion", "flow") else 0
     found = FactCount(text, fact.place, fact.declared, min(seen, fact.declared), mode=fact.mode)
     if not arrivals.size:
         return _unseen(found, count)
@@ -168,6 +168,7 @@ def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: FlowCount)
     seen = arrivals.size if fact.table in ("never", "avoided") else int(worst["count"])
     executions = " executions in a job" if in_jobs else " executions"
     units = {"never": executions, "avoided": executions, "recursion": " activations"}
+    units["flow"] = " executions in one call"
     numbers = f"declared {fact.declared}, seen {seen}{units.get(fact.table, '')}"
     return replace(found, seen=seen, excess=f"{numbers} {where}")
 

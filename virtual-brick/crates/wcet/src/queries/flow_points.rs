@@ -77,7 +77,7 @@ fn counted(
         FlowPoint::Loop { header, .. } => *header,
         FlowPoint::Place { addresses } => addresses.first().copied().unwrap_or(0),
         FlowPoint::Branch { address, .. } => *address,
-        FlowPoint::Recursion { entry, .. } => *entry,
+        FlowPoint::Recursion { entry, .. } | FlowPoint::Together { entry, .. } => *entry,
     };
     CountedFact {
         fact: fact.written(table),
