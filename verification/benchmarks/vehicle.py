@@ -33,20 +33,20 @@ def vehicle_speed() -> Iterator[Figure]:
     robot = read_robot(VEHICLE)
     scenario = read_scenario(scenario_path(VEHICLE, "drive"), robot)
     image = read_image(ROOT / "build" / "vehicle" / "ram" / "vehicle.elf")
-    waited: dict[str, list[float]] = {"fast": [], "reference": []}
-    worked: dict[str, list[float]] = {"fast": [], "reference": []}
-    for engine in list(waited) * REPEATS:
+
+    def driven(engine: str) -> tuple[float, float]:
         start, start_worked = time.perf_counter(), time.process_time()
         recording = VirtualTarget(settings={"engine": engine}).run(robot, scenario, image)
         virtual_seconds = recording.clock.seconds(recording.stop.at_cycles)
-        waited[engine].append(virtual_seconds / (time.perf_counter() - start))
-        worked[engine].append(virtual_seconds / (time.process_time() - start_worked))
-    brick = ("virtual s per s", "the brick", 1.0)
-    by_processor = statistics.median(worked["fast"])
-    yield Figure("vehicle drive, traced", statistics.median(waited["fast"]), *brick)
-    yield Figure("vehicle drive, traced, by processor time", by_processor, *brick)
-    reference = ("virtual s per s", "reference engine", statistics.median(worked["reference"]))
-    yield Figure("vehicle drive, traced, by processor time", by_processor, *reference)
+        waited = virtual_seconds / (time.perf_counter() - start)
+        return waited, virtual_seconds / (time.process_time() - start_worked)
+
+    rounds = [(*driven("fast"), driven("reference")[1]) for _ in range(REPEATS)]
+    waited, worked, of_reference = map(statistics.median, zip(*rounds, strict=True))
+    unit, title = "virtual s per s", "vehicle drive, traced"
+    yield Figure(title, waited, unit, "the brick", 1.0)
+    yield Figure(f"{title}, by processor time", worked, unit, "the brick", 1.0)
+    yield Figure(f"{title}, by processor time", worked, unit, "reference engine", of_reference)
 
 
 def vehicle_memory() -> Iterator[Figure]:

@@ -30,7 +30,7 @@ from ravenbrick.project.criteria import Expectation, parse_expectation
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.trace.measures import RunMeasures, check_survival, evaluate_criteria, measure_run
-from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.recording import ENVIRONMENT, EventKind, Recording
 from ravenbrick.trace.task_set import check_release
 from ravenbrick.trace.verdict import expects_fault, judge
 
@@ -38,7 +38,6 @@ from ravenbrick.trace.verdict import expects_fault, judge
 GUARDED = {"guards_threads": True}
 # The run-time sets its alarms some cycles early.
 EARLY_CYCLES = 48
-ENVIRONMENT = "environment"
 CheckedRun = tuple[Recording, RunMeasures]
 
 

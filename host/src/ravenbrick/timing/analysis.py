@@ -35,7 +35,6 @@ from ravenbrick.timing.facts.counted_facts import CountedFact, counted_facts, tu
 from ravenbrick.timing.facts.facts import Facts, KindOfJob, Mode, annotations_of
 from ravenbrick.timing.facts.source_facts import source_facts
 from ravenbrick.timing.initial_state import (
-    ENVIRONMENT,
     ProtectedObject,
     attached_handlers,
     executed_bodies,
@@ -83,6 +82,7 @@ from ravenbrick.timing.task_set.scheduled_tasks import (
     scheduled_bounds,
 )
 from ravenbrick.timing.task_set.suspension import with_operations
+from ravenbrick.trace.recording import ENVIRONMENT
 from ravenbrick.trace.task_set import check_names
 
 __all__ = [

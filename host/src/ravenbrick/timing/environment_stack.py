@@ -10,7 +10,7 @@ from typing import Any
 
 from ravenbrick.image.elf import ElfImage
 from ravenbrick.timing.bounds import Bound, StackBound, deepest_of, stack_bounds
-from ravenbrick.timing.initial_state import ENVIRONMENT
+from ravenbrick.trace.recording import ENVIRONMENT
 
 __all__ = ["NO_ENVIRONMENT", "EnvironmentStack", "environment_stack"]
 

@@ -23,10 +23,10 @@ from ravenbrick.project.robot import Robot
 from ravenbrick.project.scenario import Scenario
 from ravenbrick.timing.bounds import Call
 from ravenbrick.trace.flow_counts import flow_counts
+from ravenbrick.trace.recording import ENVIRONMENT
 
 __all__ = [
     "ALARM_SOURCE",
-    "ENVIRONMENT",
     "Handler",
     "ProtectedObject",
     "attached_handlers",
@@ -39,9 +39,8 @@ __all__ = [
 ]
 
 ELABORATED_MS = 300
-# The thread that executes the main procedure, two of its states, and where in it its wake-up time
-# is (runtime/kernel/ravenbrick-threads.ads); what "delay until Time_Last" makes of that.
-ENVIRONMENT = "environment"
+# Two states of a thread, and where in it its wake-up time is
+# (runtime/kernel/ravenbrick-threads.ads); what "delay until Time_Last" makes of that.
 DELAYED, TERMINATED = 2, 5
 WAKE = struct.Struct("<q")
 WAKE_OFFSET = 40

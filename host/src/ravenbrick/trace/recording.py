@@ -26,6 +26,7 @@ from ravenbrick.project.stimuli import TimedInput
 from ravenbrick.trace.flow_counts import FlowCount
 
 __all__ = [
+    "ENVIRONMENT",
     "EVENT_TYPE",
     "IDLE",
     "EventKind",
@@ -44,6 +45,8 @@ LARGEST_BYTES = 2 << 30
 COMPRESSION_LEVEL = 1
 EVENT_TYPE = np.dtype([("at_cycles", "<u8"), ("kind", "<u4"), ("subject", "<u4"), ("value", "<i8")])
 IDLE = 0xFFFF_FFFF
+# The thread that executes the main procedure (runtime/kernel/ravenbrick-threads.ads).
+ENVIRONMENT = "environment"
 
 
 class EventKind(IntEnum):

@@ -17,9 +17,8 @@ from ravenbrick.clock import MASTER_CLOCK
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.schedule.beginning import Request
 from ravenbrick.timing.facts.facts import SOURCE_NUMBERS, Facts
-from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
-from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.recording import ENVIRONMENT, EventKind, Recording
 from ravenbrick.trace.schedule import all_jobs, jobs_of, stretches
 
 __all__ = [

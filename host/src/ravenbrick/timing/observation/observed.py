@@ -17,13 +17,13 @@ from ravenbrick.project.robot import Robot
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.bounds import ExecutionTimeError
 from ravenbrick.timing.facts.facts import Facts
-from ravenbrick.timing.initial_state import ALARM_SOURCE, ENVIRONMENT
+from ravenbrick.timing.initial_state import ALARM_SOURCE
 from ravenbrick.timing.observation.job_facts import FactCount, have_deadline
 from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
 from ravenbrick.timing.observation.outside_jobs import outside_count
 from ravenbrick.timing.task_set.background import never_waits
 from ravenbrick.trace.dynamics import TaskDynamics, task_dynamics
-from ravenbrick.trace.recording import EventKind, Recording
+from ravenbrick.trace.recording import ENVIRONMENT, EventKind, Recording
 from ravenbrick.trace.schedule import Job, all_jobs, cyclic_begin_cycles, jobs_of
 
 __all__ = [

@@ -13,13 +13,13 @@ from ravenbrick.schedule.demand import window_of
 from ravenbrick.schedule.sensitivity import ScalingLimit
 from ravenbrick.timing.analysis import Analysis, ModeBounds
 from ravenbrick.timing.bounds import recursion_words
-from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.timing.margins import largest_scaling, longest_execution, smallest_period
 from ravenbrick.timing.observation.observed import Observed, ratio
 from ravenbrick.timing.results.stacks import stack_lines, stacks_of, stacks_suffice
 from ravenbrick.timing.task_set.background import endless_words
 from ravenbrick.timing.task_set.scheduled_tasks import TaskTiming, deepest_stack
 from ravenbrick.trace.interrupts import source_name
+from ravenbrick.trace.recording import ENVIRONMENT
 
 __all__ = ["advice", "microseconds", "result_of"]
 

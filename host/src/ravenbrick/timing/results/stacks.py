@@ -10,9 +10,9 @@ from typing import Any
 
 from ravenbrick.timing.analysis import Analysis
 from ravenbrick.timing.facts.facts import TIMING_FILE
-from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.timing.observation.observed import refuse_exceeded
 from ravenbrick.timing.task_set.scheduled_tasks import PREEMPTION_BYTES, deepest_stack
+from ravenbrick.trace.recording import ENVIRONMENT
 
 __all__ = [
     "MAY_OVERFLOW",

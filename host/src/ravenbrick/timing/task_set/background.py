@@ -21,9 +21,10 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, execution_times
 from ravenbrick.timing.environment_stack import EnvironmentStack
-from ravenbrick.timing.initial_state import ENVIRONMENT, main_rests
+from ravenbrick.timing.initial_state import main_rests
 from ravenbrick.timing.kernel import DELAY_UNTIL, WAITING
 from ravenbrick.timing.task_set.alarm import AlarmCosts
+from ravenbrick.trace.recording import ENVIRONMENT
 
 __all__ = [
     "NO_BACKGROUND",

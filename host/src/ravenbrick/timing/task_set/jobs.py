@@ -14,10 +14,10 @@ from ravenbrick.image.elf import ElfImage
 from ravenbrick.project.robot import Task
 from ravenbrick.timing.bounds import Bound, ExecutionTimeError, JobQuestion, execution_times
 from ravenbrick.timing.facts.facts import Facts, KindOfJob
-from ravenbrick.timing.initial_state import ENVIRONMENT
 from ravenbrick.timing.task_set.background import endless_words, main_symbol
 from ravenbrick.timing.task_set.scheduled_tasks import WAITS
 from ravenbrick.timing.task_set.suspension import joined_releases
+from ravenbrick.trace.recording import ENVIRONMENT
 
 Annotations = Sequence[tuple[str, str]]
 """Texts of facts about code, with the names of their files."""
