@@ -6,7 +6,7 @@ The programs are in `cliffs/programs.S`. Each runs on all engines in turn, in ro
 processor time of all threads, the median of the rounds. The figure of a program is the time of the
 default engine over that of the best one in the same round, the median too: a machine that is slow
 for a minute is so for all engines. `python -m verification.benchmarks.cliffs` prints them; names of
-programs may follow.
+programs, as in the table or in `programs.S`, may follow.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ IN_FLASH = ("BRANCHY_FLASH", "FLASH_MODE_CHANGES", "FLASH_TABLES", "STRAIGHT_ON"
 CYCLES = 96_000_000
 ENGINES = ("fast", "blocks", "reference")
 ROUNDS = REPEATS + 2
-# A short run has other costs than a long one, and a sleeping processor passes much time.
+# A short run has other costs than a long one, and a sleeping processor passes much time. A short
+# one has more rounds.
 CYCLES_OF = {"SHORT_RUN": 3_800_000, "SLEEP": 480_000_000}
 
 
@@ -80,7 +81,8 @@ def measure(names: Sequence[str]) -> Iterator[tuple[str, dict[str, float], float
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
             cycles = CYCLES_OF.get(name, CYCLES)
-            times = measured(compiled(Path(folder), name), cycles, ROUNDS)
+            rounds = ROUNDS * max(1, CYCLES // cycles)
+            times = measured(compiled(Path(folder), name), cycles, rounds)
             medians = {engine: median(rounds) for engine, rounds in times.items()}
             yield name, medians, worst_ratio(times)
 
@@ -97,7 +99,11 @@ def figures() -> Iterator[Figure]:
 
 if __name__ == "__main__":
     rows = []
-    for name, times, ratio in measure(sys.argv[1:] or programs()):
+    wanted = [name.upper().replace(" ", "_") for name in sys.argv[1:]]
+    unknown = sorted(set(wanted) - set(programs()))
+    if unknown:
+        sys.exit(f"{SOURCES / 'programs.S'}: no program {', '.join(unknown)}")
+    for name, times, ratio in measure(wanted or programs()):
         rows.append((ratio, name))
         engines = (f"{times[engine] * 1000:9.1f}" for engine in ENGINES)
         print(f"{name:20}{''.join(engines)} ms  {ratio:6.2f}", flush=True)

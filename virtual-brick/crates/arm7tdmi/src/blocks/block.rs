@@ -22,8 +22,8 @@ pub(super) struct JitState {
     pub counted_from: u32,
     /// Number of the entry into the engine in which the compiler was polled last.
     pub polled_at_entry: u32,
-    /// Times that its compilation was requested and too expensive.
-    pub unaffordable: u16,
+    /// Runs from a request for its compilation that was too expensive to the next, all together.
+    pub postponed_runs: u32,
     /// What entries into its code have gained lately, in cycles; below a bound the block is
     /// interpreted.
     pub gain_cycles: i16,
@@ -41,7 +41,7 @@ impl JitState {
             runs_left: threshold_runs,
             counted_from: entries,
             polled_at_entry: 0,
-            unaffordable: 0,
+            postponed_runs: 0,
             gain_cycles: 0,
             has_code: false,
             region: NO_REGION,

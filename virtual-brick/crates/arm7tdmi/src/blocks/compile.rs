@@ -20,6 +20,10 @@ const WARM_FRACTION: u16 = 2;
 const ENTRIES_MAX: u32 = 1024;
 /// The compiler is polled for the code of a block so often, in runs.
 const RUNS_PER_POLL: u16 = 128;
+/// A request that was too expensive is made again when the block has run longer by this part: to
+/// ask costs as much as some runs.
+const POSTPONED_PART: u32 = 4;
+const MORE_RUNS_MAX: u32 = u16::MAX as u32;
 /// Code that has lost so many cycles is not entered any more; gains beyond that are not counted.
 const LOSS_CYCLES_MAX: i32 = 32 * ENTRY_CYCLES;
 
@@ -38,9 +42,9 @@ impl<B: BlockBus> Blocks<B> {
         let region = block.jit.region;
         // Where there will be no code, this is asked again after so many runs.
         block.jit.runs_left = u16::MAX;
-        if region != NO_REGION {
+        if region != NO_REGION && self.pending_regions != 0 {
             block.jit.runs_left = RUNS_PER_POLL;
-        } else if threshold_runs != 0 {
+        } else if region == NO_REGION && threshold_runs != 0 {
             let hot = entries.wrapping_sub(block.jit.counted_from) <= ENTRIES_MAX;
             block.jit.counted_from = entries;
             if hot {
@@ -56,15 +60,16 @@ impl<B: BlockBus> Blocks<B> {
 
     /// Requests compilation of a block and of those around it.
     fn request_region(&mut self, bus: &mut B, number: u32) {
+        let block = &mut self.blocks[number as usize];
+        let (runs, size) = (block.jit.postponed_runs, block.ops.len());
+        if !self.budget.affords_compiling(size, u64::from(runs)) {
+            let more = (runs / POSTPONED_PART).clamp(u32::from(self.threshold_runs), MORE_RUNS_MAX);
+            block.jit.runs_left = more as u16;
+            block.jit.postponed_runs = runs.saturating_add(more);
+            return;
+        }
         if self.jit.as_ref().is_some_and(|jit| jit.is_exhausted()) {
             self.invalidate_code();
-        }
-        let block = &mut self.blocks[number as usize];
-        let runs = u64::from(block.jit.unaffordable) * u64::from(self.threshold_runs);
-        if !self.budget.affords_compiling(block.ops.len(), runs) {
-            block.jit.runs_left = self.threshold_runs;
-            block.jit.unaffordable = block.jit.unaffordable.saturating_add(1);
-            return;
         }
         let blocks = self.hot_neighbourhood(bus, number);
         let Some(first) = blocks.first() else {
@@ -159,7 +164,7 @@ impl<B: BlockBus> Blocks<B> {
         let jit = &self.blocks[number as usize].jit;
         let lately = self.entries.wrapping_sub(jit.counted_from) <= ENTRIES_MAX;
         let left_max = self.threshold_runs - self.threshold_runs / WARM_FRACTION;
-        jit.region == NO_REGION && lately && (jit.runs_left <= left_max || jit.unaffordable != 0)
+        jit.region == NO_REGION && lately && (jit.runs_left <= left_max || jit.postponed_runs != 0)
     }
 
     /// The block as the compiler receives it; none where code would be of no use.
