@@ -22,7 +22,6 @@ from verification.benchmarks.child_time import run_timed
 
 NAME = "qemu-system-arm -icount"
 EMULATOR = "qemu-system-arm"
-ABSENT = f"{NAME} (absent: install the Debian package qemu-system-arm)"
 LONGER = 12
 SECONDS_MAX = 60
 STOPPED = 0x20026
