@@ -51,11 +51,11 @@ JOBS = $(shell expr $$(nproc) + 2)
 TOGETHER = $(MAKE) --no-print-directory --jobs=$(JOBS) --keep-going --output-sync
 
 .PHONY: test
-test: develop ## Run all tests
+test: develop built ## Run all tests
 	@$(TOGETHER) $(TEST_GROUPS)
 
 .PHONY: ci
-ci: develop docs-packages ## What CI runs: all tests, and beside them the site with some bricks
+ci: develop docs-packages built ## What CI runs: all tests, and beside them the site with some bricks
 	@$(TOGETHER) docs-site $(TEST_GROUPS) BRICKS="$(CI_BRICKS)"
 
 .PHONY: style
@@ -74,11 +74,11 @@ test-rust: ## Tests of the virtual brick's crates
 	@$(CARGO) test $(CARGO_OPTIONS) --quiet --no-fail-fast --workspace --lib --bins --tests \
 		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
-# The longest first, and those that wait for links and clocks before those that compute.
+# The longest first, and last what uses several processors by itself.
 PYTHON_GROUPS := test-brick test-host test-commands test-control test-tools
-TEST_GROUPS = test-rust test-page $(filter-out test-tools,$(PYTHON_GROUPS)) style test-tools
+TEST_GROUPS = test-brick test-page test-host test-commands test-control test-tools style test-rust
 .PHONY: test-python built $(PYTHON_GROUPS)
-test-python: ## Tests of the host package, tools, run-time, drivers and examples
+test-python: built ## Tests of the host package, tools, run-time, drivers and examples
 	@$(TOGETHER) $(PYTHON_GROUPS)
 
 CONTROL := $(addprefix host/tests/,codegen control model schedule simulink)
@@ -88,11 +88,11 @@ test-control: TESTS := $(CONTROL)
 test-brick: TESTS := runtime/tests drivers/tests examples verification
 test-commands: TESTS := host/tests/cli
 test-tools: TESTS := tools
-$(PYTHON_GROUPS): built
+$(PYTHON_GROUPS):
 	@env -u MAKEFLAGS $(PYTHON) -m pytest -q $(TESTS)
 
-# The image that several groups use, once.
-built:
+# The image that several groups use, once, before all of them.
+built: setup
 	@env -u MAKEFLAGS .venv/bin/ravenbrick build examples/vehicle
 
 .PHONY: test-page

@@ -100,17 +100,30 @@ class _Run:
         task = self._robot.task(self.recording.threads[thread].name)
         return task is not None and task.release == "cyclic"
 
-    def in_a_job_with_deadline(self, thread: int | None, at: int) -> bool:
-        """Is a task in a job with a deadline, not in a handler?"""
-        if thread is None or self.handler(at) is not None:
-            return False
-        task = self._robot.task(self.recording.threads[thread].name)
-        found = self.job(thread, at)
-        if task is None or task.release == "background" or found is None:
-            return False
-        releases = [job.release_cycles for job in jobs_of(self.recording, thread)]
-        kept = have_deadline(task, np.array(releases, np.int64), {task.name})
-        return bool(kept[found[0] - 1])
+    def in_jobs_with_deadline(self, arrivals: NDArray[np.void]) -> NDArray[np.bool_]:
+        """Which arrivals are in a job with a deadline, not in a handler? Shape (n,)."""
+        at, threads = arrivals["at_cycles"].astype(np.int64), arrivals["thread"]
+        depth = np.append(0, self._depth)[np.searchsorted(self._at, at, side="right")]
+        found = np.zeros(at.size, np.bool_)
+        for thread in np.unique(threads[threads != NO_THREAD]):
+            mine = threads == thread
+            found[mine] = self._have_deadline(int(thread), at[mine])
+        return found & (depth <= 0)
+
+    def _have_deadline(self, thread: int, at: Cycles) -> NDArray[np.bool_]:
+        """Is the task in a job with a deadline at these instants? Shape (n,)."""
+        task, jobs = self._robot.task(self.recording.threads[thread].name), []
+        if task is not None and task.release != "background":
+            jobs = jobs_of(self.recording, thread)
+        if task is None or not jobs:
+            return np.zeros(at.size, np.bool_)
+        never = np.iinfo(np.int64).max
+        release = np.array([job.release_cycles for job in jobs], np.int64)
+        ends = (job.completion_cycles for job in jobs)
+        completion = np.array([never if end is None else end for end in ends], np.int64)
+        number = np.searchsorted(release, at, side="right") - 1
+        kept = np.array(have_deadline(task, release, {task.name}), np.bool_)
+        return np.asarray((number >= 0) & (completion[number] >= at) & kept[number])
 
     def words(self, thread: int | None, at: int) -> str:
         """Instant and job."""
@@ -152,7 +165,7 @@ def _flow_count(run: _Run, image: ElfImage, fact: CountedFact, count: FlowCount)
     arrivals = count.arrivals[count.arrivals["at_cycles"] >= run.since]
     in_jobs = fact.table == "avoided" and not fact.mode
     if in_jobs:
-        arrivals = arrivals[[run.in_a_job_with_deadline(_thread(a), _instant(a)) for a in arrivals]]
+        arrivals = arrivals[run.in_jobs_with_deadline(arrivals)]
     text = fact.fact.replace("[[avoided]]", "[[outside]]" if in_jobs else "[[never]]")
     if fact.mode:
         text = text.replace("[[", "[[mode.")
