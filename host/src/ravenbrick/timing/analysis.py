@@ -276,7 +276,7 @@ def _modes(
 ) -> tuple[ModeBounds, ...]:
     modes = []
     for mode in facts.modes:
-        stated = [(facts.mode_file(mode.name), mode.annotations)]
+        stated = [(mode.title, mode.annotations)]
         rates = replace(facts, interrupts=(*facts.interrupts, *mode.interrupts))
         found = _scheduled(partial(of_facts, rates), executions_of(stated))
         in_mode = {t.task.name: t.job.cycles for t in found.timings}
@@ -387,8 +387,7 @@ def _counted(
     known = [*annotations, facts.of_jobs]
     found = counted_facts(image.content, roots, known, files) + turn_facts(image, facts)
     for mode in facts.modes:
-        name = facts.mode_file(mode.name)
-        stated = [*known, (name, mode.annotations)]
-        more = counted_facts(image.content, roots, stated, {name})
+        stated = [*known, (mode.title, mode.annotations)]
+        more = counted_facts(image.content, roots, stated, {mode.title})
         found += tuple(replace(fact, mode=mode.name) for fact in more)
     return found

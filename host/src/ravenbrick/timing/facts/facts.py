@@ -202,9 +202,15 @@ class Mode:
     then."""
 
     name: str
+    file: str
     reason: str
     annotations: str
     interrupts: tuple[InterruptLoad, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """What its annotations are called."""
+        return f"{self.file}, mode '{self.name}'"
 
 
 @dataclass(frozen=True)
@@ -246,10 +252,6 @@ class Facts:
     def of_jobs(self) -> tuple[str, str]:
         """Name and text of the annotations that hold for jobs only."""
         return f"{self.name}, [[outside]]", self.outside
-
-    def mode_file(self, mode: str) -> str:
-        """What the annotations of a mode are called."""
-        return f"{self.name}, mode '{mode}'"
 
     def suspension(self, task: str) -> Suspension | None:
         """The suspension of a task, if the file states one."""
@@ -374,7 +376,7 @@ def _kind(row: dict[str, Any], path: Path) -> KindOfJob:
 def _mode(row: dict[str, Any], path: Path, robot: Robot) -> Mode:
     tables = {"avoided": row.get("never", []), "loop": row.get("loop", [])}
     loads = _interrupts(row.get("interrupt", []), path, robot)
-    return Mode(row["name"], row["reason"], annotations_of(tables), loads)
+    return Mode(row["name"], str(path), row["reason"], annotations_of(tables), loads)
 
 
 def _interrupts(
