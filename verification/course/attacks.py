@@ -445,7 +445,7 @@ BRICK = [
     Attack("renamed-tasks", "tasks that robot.toml does not name", lambda path, place: (
         write_submission(path, TASKS.replace("Control_Task", "Other_Task"), **{
             "tasks.ads": SOURCES["tasks.ads"].replace("Control_Task", "Other_Task")})),
-        "control_task", 9),
+        "'other_task' is none of the assignment's", 9),
     Attack("moved-work", "a late job of a task that robot.toml does not name, beside an empty one",
         _moved_work, "'worker_task' is none of the assignment's", 9),
     Attack("constant", "prints the count of the public scenario", _body(
