@@ -55,7 +55,7 @@ test: develop built ## Run all tests
 	@$(TOGETHER) $(TEST_GROUPS)
 
 .PHONY: ci
-ci: develop docs-packages built ## What CI runs: all tests, and beside them the site with some bricks
+ci: develop docs-packages built ## What CI runs: all tests, beside them the site with some bricks
 	@$(TOGETHER) docs-site $(TEST_GROUPS) BRICKS="$(CI_BRICKS)"
 
 .PHONY: style
@@ -75,15 +75,16 @@ test-rust: ## Tests of the virtual brick's crates
 		--exclude virtual-brick-python --exclude virtual-brick-wasm --exclude wasm-glue
 
 # The longest first, and last what uses several processors by itself.
-PYTHON_GROUPS := test-brick test-host test-commands test-control test-tools
-TEST_GROUPS = test-brick test-page test-host test-commands test-control test-tools style test-rust
+PYTHON_GROUPS := test-brick test-host test-timing test-commands test-control test-tools
+TEST_GROUPS = test-page $(PYTHON_GROUPS) style test-rust
 .PHONY: test-python built $(PYTHON_GROUPS)
 test-python: built ## Tests of the host package, tools, run-time, drivers and examples
 	@$(TOGETHER) $(PYTHON_GROUPS)
 
 CONTROL := $(addprefix host/tests/,codegen control model schedule simulink)
 test-host: TESTS := host/tests virtual-brick/bindings/python/tests \
-	$(addprefix --ignore=,$(CONTROL) host/tests/cli)
+	$(addprefix --ignore=,$(CONTROL) host/tests/cli host/tests/timing)
+test-timing: TESTS := host/tests/timing
 test-control: TESTS := $(CONTROL)
 test-brick: TESTS := runtime/tests drivers/tests examples verification
 test-commands: TESTS := host/tests/cli
