@@ -248,6 +248,23 @@ def test_hostile_archives_are_refused(
         read_simulink(path)
 
 
+@pytest.mark.parametrize("number", ["9" * 5_000, "999999999", "²"])
+def test_a_number_that_no_model_has_is_read_as_a_text(number: str, tmp_path: Path) -> None:
+    """Of ports, at lines and blocks, of signs and of a mask's places: never a traceback, nor memory
+    for so many."""
+    root = block("Inport", "u", 1, Port=number) + block("Sum", "S", 2, Inputs=number)
+    root += block("Product", "P", 3, Inputs=number) + block(
+        "Mystery", "M", 4, Ports=f"[1, {number}]"
+    )
+    root += block("Gain", "K", 5, MaskVariables=f"k=@{number};", MaskValueString="1|2")
+    ends = (f"1#out:{number}", "1#out:1"), (f"2#in:{number}", "2#in:1")
+    root += "".join(line(source, target) for source in ends[0] for target in ends[1])
+    path = single_file(tmp_path / "m.slx", root)
+    survey_simulink(path)
+    with pytest.raises(DesignError, match="blocks cannot be imported"):
+        import_simulink(path, 0.01)
+
+
 def test_an_archive_whose_directory_lies_before_the_file_is_damaged(tmp_path: Path) -> None:
     """The end record says that the directory begins later than it does."""
     path = split_model(tmp_path / "m.slx")

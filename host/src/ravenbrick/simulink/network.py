@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ravenbrick.simulink.counts import count_of, counts_in
 from ravenbrick.simulink.file import SimulinkBlock, SimulinkSystem
 from ravenbrick.simulink.libraries import Libraries, tight
 from ravenbrick.simulink.numbers import Workspace, value_of
@@ -46,8 +46,7 @@ class Site:
     @property
     def port(self) -> int:
         """The number of an Inport or Outport."""
-        text = self.block.parameters.get("Port", "1").strip()
-        return int(text) if text.isdigit() else 1
+        return count_of(self.block.parameters.get("Port", "1").strip()) or 1
 
     @property
     def commented(self) -> str:
@@ -174,9 +173,8 @@ class Network:
 
     def inputs(self, path: str) -> int:
         """The number of input ports: as the file says, and not fewer than there are lines."""
-        numbers = re.findall(r"\d+", self.sites[path].block.parameters.get("Ports", "0"))
-        declared = int(numbers[0]) if numbers else 0
-        return max(declared, self._inputs.get(path, 0))
+        declared = counts_in(self.sites[path].block.parameters.get("Ports", "0"))
+        return max([*declared[:1], self._inputs.get(path, 0)])
 
     def guards(self, system: str) -> Iterator[str]:
         """The conditionally executed subsystems around a place, the innermost first."""

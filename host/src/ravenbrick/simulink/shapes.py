@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from ravenbrick.simulink.blocks.programs import interpreted_shape, program_shapes
+from ravenbrick.simulink.counts import counts_in
 from ravenbrick.simulink.matlab.linear_systems import is_lti, system_of
 from ravenbrick.simulink.network import End, Network, Site
 from ravenbrick.simulink.numbers import value_of
@@ -165,8 +166,8 @@ def _outputs(
         except ValueError:
             if site.kind not in ("MATLABFcn", "MATLABFunction"):
                 raise
-    numbers = re.findall(r"\d+", site.block.parameters.get("Ports", "1, 1"))
-    count = int(numbers[1]) if len(numbers) > 1 else 1
+    numbers = counts_in(site.block.parameters.get("Ports", "1, 1"))
+    count = numbers[1] if len(numbers) > 1 else 1
     return {port: asked.shape(f"{site.path}|{port}|") for port in range(1, count + 1)}
 
 

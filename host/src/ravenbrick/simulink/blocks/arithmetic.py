@@ -18,6 +18,7 @@ from ravenbrick.model import (
     Saturation,
 )
 from ravenbrick.simulink.builder import Builder
+from ravenbrick.simulink.counts import count_of
 from ravenbrick.simulink.matlab.arrays import Arrays, array_of
 from ravenbrick.simulink.numbers import matrix, value_of
 from ravenbrick.simulink.shapes import as_matrix
@@ -42,7 +43,8 @@ def _elements(b: Builder, width: int, count: int = 0) -> list[list[Wire]]:
 
 def _signs(b: Builder) -> str:
     text = b.dialog().text("Inputs", "++").replace("|", "").replace(" ", "")
-    return "+" * int(text) if text.isdigit() else text or "++"
+    count = count_of(text)
+    return text or "++" if count is None else "+" * count
 
 
 def _sum(b: Builder) -> None:
@@ -56,7 +58,8 @@ def _sum(b: Builder) -> None:
 
 def _product(b: Builder) -> None:
     text = b.dialog().text("Inputs", "2").replace(" ", "")
-    signs = "*" * int(text) if text.isdigit() else text or "**"
+    count = count_of(text)
+    signs = text or "**" if count is None else "*" * count
     if b.dialog().text("Multiplication").startswith("Matrix"):
         sizes = [size_of(b.input_shape(port)) for port in range(1, b.ports() + 1)]
         if "/" in signs and max(sizes) > 1:
