@@ -213,8 +213,8 @@ debug information, random programs, and snapshots saved at the beginning of the 
 FOUND = (
     (
         "Simulink archives",
-        "the number of a port with 5,000 digits: a traceback; 999,999,999 ports or signs: memory for"
-        " each (found by review beside it)",
+        "the number of a port with 5,000 digits: a traceback; 999,999,999 ports or signs: memory"
+        " for each (found by review beside it)",
         "numbers of more than four digits are none of a port, a sign or a mask's place",
     ),
     (
