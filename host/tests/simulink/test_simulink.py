@@ -249,16 +249,18 @@ def test_hostile_archives_are_refused(
 
 
 @pytest.mark.parametrize("number", ["9" * 5_000, "999999999", "²"])
-def test_a_number_that_no_model_has_is_read_as_a_text(number: str, tmp_path: Path) -> None:
-    """Of ports, at lines and blocks, of signs and of a mask's places: never a traceback, nor memory
-    for so many."""
-    root = block("Inport", "u", 1, Port=number) + block("Sum", "S", 2, Inputs=number)
-    root += block("Product", "P", 3, Inputs=number) + block(
-        "Mystery", "M", 4, Ports=f"[1, {number}]"
-    )
+def test_a_number_that_no_model_has_ends_with_a_sentence(number: str, tmp_path: Path) -> None:
+    """Of ports, at blocks and at lines in both ways of writing them, of signs and of a mask's
+    places: no traceback, and no memory for so many."""
+    root = block("Inport", "u", 1, Port=number)
+    root += block("Sum", "S", 2, Inputs=number)
+    root += block("Product", "P", 3, Inputs=number)
+    root += block("Mystery", "M", 4, Ports=f"[{number}, {number}]")
     root += block("Gain", "K", 5, MaskVariables=f"k=@{number};", MaskValueString="1|2")
-    ends = (f"1#out:{number}", "1#out:1"), (f"2#in:{number}", "2#in:1")
-    root += "".join(line(source, target) for source in ends[0] for target in ends[1])
+    root += line(f"1#out:{number}", "2#in:1") + line("1#out:1", f"2#in:{number}")
+    older = {"SrcBlock": "u", "SrcPort": number, "DstBlock": "P", "DstPort": number}
+    entries = "".join(f'<P Name="{name}">{text}</P>' for name, text in older.items())
+    root += f"<Line>{entries}</Line>"
     path = single_file(tmp_path / "m.slx", root)
     survey_simulink(path)
     with pytest.raises(DesignError, match="blocks cannot be imported"):

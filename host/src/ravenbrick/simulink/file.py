@@ -312,11 +312,12 @@ def _mask_of(block: _Node, own: Mapping[str, str]) -> dict[str, str]:
             name = parameter.attributes.get("Name") or parameter.values().get("Name", "")
             texts = [child.text for child in parameter.all("Value")]
             found[name] = texts[0] if texts else parameter.values().get("Value", "")
-    names = re.findall(r"(\w+)=[@&]([0-9]{1,4})\b", own.get("MaskVariables", ""))
+    names = re.findall(r"(\w+)=[@&](\d+)", own.get("MaskVariables", ""))
     values = own.get("MaskValueString", "").split("|")
-    for name, place in names:
-        if int(place) <= len(values):
-            found[name] = values[int(place) - 1]
+    for name, text in names:
+        place = count_of(text)
+        if place is not None and place <= len(values):
+            found[name] = values[place - 1]
     return found
 
 
@@ -331,10 +332,11 @@ def _targets(line: _Node) -> Iterator[tuple[str, int | str] | None]:
 def _end(values: Mapping[str, str], side: str) -> tuple[str, int | str] | None:
     """An end of a line: `12#out:1` in newer files, two entries in older ones."""
     if side in values:
-        match = re.match(r"(.+)#(out|in|\w+)(?::([0-9]{1,4}))?\Z", values[side])
-        if match is None:
+        match = re.match(r"(.+)#(out|in|\w+)(?::(\d+))?\Z", values[side])
+        number = count_of(match[3] or "1") if match else None
+        if match is None or number is None:
             return None
-        return match[1], int(match[3] or 1) if match[2] in ("in", "out") else match[2]
+        return match[1], number if match[2] in ("in", "out") else match[2]
     if f"{side}Block" in values:
         port = values.get(f"{side}Port", "1")
         number = count_of(port)

@@ -41,14 +41,15 @@ def _elements(b: Builder, width: int, count: int = 0) -> list[list[Wire]]:
     return [list(wires) for wires in zip(*ports, strict=True)]
 
 
-def _signs(b: Builder) -> str:
-    text = b.dialog().text("Inputs", "++").replace("|", "").replace(" ", "")
+def _signs(b: Builder, sign: str, spacer: str = " ") -> str:
+    """As the block's dialog lists them, or as many of this one as it says, else two."""
+    text = b.dialog().text("Inputs").replace(" ", "").replace(spacer, "")
     count = count_of(text)
-    return text or "++" if count is None else "+" * count
+    return text or 2 * sign if count is None else count * sign
 
 
 def _sum(b: Builder) -> None:
-    signs = _signs(b)
+    signs = _signs(b, "+", spacer="|")
     if len(signs) == 1:
         wires = b.inputs()
         b.out([b.sum(*wires, signs=signs * len(wires))])
@@ -57,9 +58,7 @@ def _sum(b: Builder) -> None:
 
 
 def _product(b: Builder) -> None:
-    text = b.dialog().text("Inputs", "2").replace(" ", "")
-    count = count_of(text)
-    signs = text or "**" if count is None else "*" * count
+    signs = _signs(b, "*")
     if b.dialog().text("Multiplication").startswith("Matrix"):
         sizes = [size_of(b.input_shape(port)) for port in range(1, b.ports() + 1)]
         if "/" in signs and max(sizes) > 1:

@@ -107,22 +107,21 @@ class _Run:
         found = np.zeros(at.size, np.bool_)
         for thread in np.unique(threads[threads != NO_THREAD]):
             mine = threads == thread
-            found[mine] = self._have_deadline(int(thread), at[mine])
+            found[mine] = self._in_jobs_of(int(thread), at[mine])
         return found & (depth <= 0)
 
-    def _have_deadline(self, thread: int, at: Cycles) -> NDArray[np.bool_]:
-        """Is the task in a job with a deadline at these instants? Shape (n,)."""
-        task, jobs = self._robot.task(self.recording.threads[thread].name), []
-        if task is not None and task.release != "background":
-            jobs = jobs_of(self.recording, thread)
-        if task is None or not jobs:
+    def _in_jobs_of(self, thread: int, at: Cycles) -> NDArray[np.bool_]:
+        """At which instants is this thread's task in a job with a deadline? Shape (n,)."""
+        jobs = jobs_of(self.recording, thread)
+        task = self._robot.task(self.recording.threads[thread].name)
+        if task is None or task.release == "background" or not jobs:
             return np.zeros(at.size, np.bool_)
         never = np.iinfo(np.int64).max
         release = np.array([job.release_cycles for job in jobs], np.int64)
         ends = (job.completion_cycles for job in jobs)
         completion = np.array([never if end is None else end for end in ends], np.int64)
         number = np.searchsorted(release, at, side="right") - 1
-        kept = np.array(have_deadline(task, release, {task.name}), np.bool_)
+        kept = have_deadline(task, release, {task.name})
         return np.asarray((number >= 0) & (completion[number] >= at) & kept[number])
 
     def words(self, thread: int | None, at: int) -> str:
