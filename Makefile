@@ -51,12 +51,12 @@ JOBS = $(shell expr $$(nproc) + 2)
 TOGETHER = $(MAKE) --no-print-directory --jobs=$(JOBS) --keep-going --output-sync
 
 .PHONY: test
-test: develop built ## Run all tests
-	@$(TOGETHER) $(TEST_GROUPS)
+test: built ## Run all tests
+	@$(TOGETHER) $(TEST_GROUPS) BUILT=yes
 
 .PHONY: ci
-ci: develop docs-packages built ## What CI runs: all tests, beside them the site with some bricks
-	@$(TOGETHER) docs-site $(TEST_GROUPS) BRICKS="$(CI_BRICKS)"
+ci: built docs-packages ## What CI runs: all tests, beside them the site with some bricks
+	@$(TOGETHER) docs-site $(TEST_GROUPS) BUILT=yes BRICKS="$(CI_BRICKS)"
 
 .PHONY: style
 style: ## Check style, types, spelling, borders between the parts, and generated tables
@@ -79,7 +79,7 @@ PYTHON_GROUPS := test-brick test-host test-timing test-commands test-control tes
 TEST_GROUPS = test-page $(PYTHON_GROUPS) style test-rust
 .PHONY: test-python built $(PYTHON_GROUPS)
 test-python: built ## Tests of the host package, tools, run-time, drivers and examples
-	@$(TOGETHER) $(PYTHON_GROUPS)
+	@$(TOGETHER) $(PYTHON_GROUPS) BUILT=yes
 
 CONTROL := $(addprefix host/tests/,codegen control model schedule simulink)
 test-host: TESTS := host/tests virtual-brick/bindings/python/tests \
@@ -89,11 +89,12 @@ test-control: TESTS := $(CONTROL)
 test-brick: TESTS := runtime/tests drivers/tests examples verification
 test-commands: TESTS := host/tests/cli
 test-tools: TESTS := tools
-$(PYTHON_GROUPS):
+# Before all of them: beside them, what waits for the image would lose its place to other groups.
+$(PYTHON_GROUPS): $(if $(BUILT),,built)
 	@env -u MAKEFLAGS $(PYTHON) -m pytest -q $(TESTS)
 
-# The image that several groups use, once, before all of them.
-built: setup
+# The image that several groups use.
+built: develop
 	@env -u MAKEFLAGS .venv/bin/ravenbrick build examples/vehicle
 
 .PHONY: test-page
