@@ -22,7 +22,7 @@ pub(super) struct JitState {
     pub counted_from: u32,
     /// Number of the entry into the engine in which the compiler was polled last.
     pub polled_at_entry: u32,
-    /// Runs from a request for its compilation that was too expensive to the next, all together.
+    /// Runs since its compilation was first too expensive, those until the next request included.
     pub postponed_runs: u32,
     /// What entries into its code have gained lately, in cycles; below a bound the block is
     /// interpreted.

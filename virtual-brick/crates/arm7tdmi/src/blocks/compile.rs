@@ -23,7 +23,6 @@ const RUNS_PER_POLL: u16 = 128;
 /// A request that was too expensive is made again when the block has run longer by this part: to
 /// ask costs as much as some runs.
 const POSTPONED_PART: u32 = 4;
-const MORE_RUNS_MAX: u32 = u16::MAX as u32;
 /// Code that has lost so many cycles is not entered any more; gains beyond that are not counted.
 const LOSS_CYCLES_MAX: i32 = 32 * ENTRY_CYCLES;
 
@@ -63,9 +62,9 @@ impl<B: BlockBus> Blocks<B> {
         let block = &mut self.blocks[number as usize];
         let (runs, size) = (block.jit.postponed_runs, block.ops.len());
         if !self.budget.affords_compiling(size, u64::from(runs)) {
-            let more = (runs / POSTPONED_PART).clamp(u32::from(self.threshold_runs), MORE_RUNS_MAX);
-            block.jit.runs_left = more as u16;
-            block.jit.postponed_runs = runs.saturating_add(more);
+            let more = u16::try_from(runs / POSTPONED_PART).unwrap_or(u16::MAX);
+            block.jit.runs_left = more.max(self.threshold_runs);
+            block.jit.postponed_runs = runs.saturating_add(u32::from(block.jit.runs_left));
             return;
         }
         if self.jit.as_ref().is_some_and(|jit| jit.is_exhausted()) {
