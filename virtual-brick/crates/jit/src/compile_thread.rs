@@ -1,149 +1,204 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The compile thread.
+//! The compile thread: one for all engines of the process.
 //!
-//! It serves one request after the other and ends when its handle, [`CompileThread`], is dropped,
-//! which waits for that: there are never more threads than handles. A panic of the thread continues
-//! where its results are taken. After a fork the child has the memory of the handle, but no thread,
-//! and touches nothing of the thread's.
+//! It begins with the first request, serves one after the other and stays until the process ends.
+//! A panic of the compiler continues where the result is taken. After a fork the child has no such
+//! thread: its engines do not touch what they have of the parent's, and the first new one begins
+//! another.
 
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::mpsc::{channel, sync_channel, Receiver, Sender, SyncSender, TryRecvError};
-use std::sync::{Arc, Mutex};
-use std::thread::{self, JoinHandle};
-use std::{mem, panic, process};
+use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
+use std::sync::mpsc::{channel, Receiver, Sender};
+use std::sync::{Arc, Mutex, TryLockError};
+use std::{mem, process, thread};
 
-use crate::compiler::{CompileRequest, CompiledRegion};
+use crate::code_memory::host_isa;
+use crate::compiler::{CompileRequest, CompiledRegion, Compiler, Generation};
 
-/// At most so many requests wait.
+/// At most so many requests of an engine wait.
 const QUEUE_MAX: usize = 32;
 
-/// The handle of a compile thread.
-pub(crate) struct CompileThread {
-    /// The process that has the thread.
+/// The thread of this process, once it has one.
+static THREAD: Mutex<Option<CompileThread>> = Mutex::new(None);
+
+/// The way to a compile thread.
+#[derive(Clone)]
+struct CompileThread {
+    /// The process that has it.
     process: u32,
-    /// None once the thread has ended.
-    thread: Option<Thread>,
+    requests: Sender<Request>,
 }
 
-struct Thread {
-    requests: SyncSender<CompileRequest>,
-    /// The lock is never taken: it only makes the receiver shareable.
-    results: Mutex<Receiver<CompiledRegion>>,
-    /// Requests of other generations are skipped.
-    generation: Arc<AtomicU32>,
-    handle: JoinHandle<()>,
+struct Request {
+    request: CompileRequest,
+    wanted: Arc<Generation>,
+    results: Sender<thread::Result<CompiledRegion>>,
 }
 
 impl CompileThread {
-    /// None where the host gives no thread.
-    pub fn start(
-        compile: impl FnMut(&CompileRequest) -> CompiledRegion + Send + 'static,
+    /// A thread that serves requests with what `compiler` makes, anew after a panic. None where
+    /// the host gives none.
+    fn start<C: FnMut(&CompileRequest, &Generation) -> CompiledRegion>(
+        compiler: impl Fn() -> C + Send + 'static,
     ) -> Option<Self> {
-        let (requests, queue) = sync_channel(QUEUE_MAX);
+        let (requests, queue) = channel::<Request>();
+        let thread = thread::Builder::new().name("JIT compiler".to_owned());
+        let serve = move || {
+            let mut compile = compiler();
+            for asked in queue {
+                let serve = AssertUnwindSafe(|| compile(&asked.request, &asked.wanted));
+                let result = catch_unwind(serve);
+                if result.is_err() {
+                    compile = compiler();
+                }
+                // The engine may be gone.
+                let _ = asked.results.send(result);
+            }
+        };
+        thread.spawn(serve).ok()?;
+        let process = process::id();
+        Some(Self { process, requests })
+    }
+
+    fn is_of_this_process(&self) -> bool {
+        self.process == process::id()
+    }
+
+    /// That of the process.
+    fn of_process() -> Found {
+        let mut thread = match THREAD.try_lock() {
+            Ok(thread) => thread,
+            Err(TryLockError::Poisoned(thread)) => thread.into_inner(),
+            // Another engine starts it. In the child of a fork that may hold for ever.
+            Err(TryLockError::WouldBlock) => return Found::Later,
+        };
+        if let Some(other) = thread.take_if(|thread| !thread.is_of_this_process()) {
+            mem::forget(other);
+        }
+        if thread.is_none() {
+            *thread = host_isa().and_then(|isa| {
+                Self::start(move || {
+                    let mut compiler = Compiler::new(isa.clone());
+                    move |request: &_, wanted: &_| compiler.compile(request, wanted)
+                })
+            });
+        }
+        thread.clone().map_or(Found::None, Found::Thread)
+    }
+}
+
+enum Found {
+    Thread(CompileThread),
+    /// None now.
+    Later,
+    /// The host gives none.
+    None,
+}
+
+/// What became of a request.
+pub(crate) enum Submitted {
+    Queued,
+    /// Too many requests of this engine wait.
+    Busy,
+    /// The host gives no thread; the request.
+    NoThread(CompileRequest),
+}
+
+/// An engine's requests to the compile thread, and their results.
+pub(crate) struct CompileQueue {
+    wanted: Arc<Generation>,
+    /// None before the first request.
+    link: Option<Link>,
+}
+
+struct Link {
+    thread: CompileThread,
+    sender: Sender<thread::Result<CompiledRegion>>,
+    /// The lock is never taken: it only makes the receiver shareable.
+    results: Mutex<Receiver<thread::Result<CompiledRegion>>>,
+    waiting: usize,
+}
+
+impl Link {
+    fn to(thread: CompileThread) -> Self {
         let (sender, results) = channel();
-        let generation = Arc::new(AtomicU32::new(0));
-        let current = Arc::clone(&generation);
-        let handle = thread::Builder::new()
-            .name("JIT compiler".to_owned())
-            .spawn(move || serve(&queue, &sender, &current, compile))
-            .ok()?;
-        Some(Self {
-            process: process::id(),
-            thread: Some(Thread {
-                requests,
-                results: Mutex::new(results),
-                generation,
-                handle,
-            }),
-        })
+        Self {
+            thread,
+            sender,
+            results: Mutex::new(results),
+            waiting: 0,
+        }
+    }
+}
+
+impl CompileQueue {
+    pub fn new(wanted: Arc<Generation>) -> Self {
+        Self { wanted, link: None }
     }
 
-    /// The thread is gone, and no more results will come.
+    /// The thread was that of the process before a fork: no more results will come.
     pub fn is_lost(&self) -> bool {
-        self.thread.is_none() || self.process != process::id()
+        let link = self.link.as_ref();
+        link.is_some_and(|link| !link.thread.is_of_this_process())
     }
 
-    /// False if too many requests wait already.
-    pub fn submit(&self, request: CompileRequest) -> bool {
-        self.alive().is_some_and(|thread| {
-            thread
-                .generation
-                .store(request.generation, Ordering::Relaxed);
-            thread.requests.try_send(request).is_ok()
-        })
-    }
-
-    /// Requests of other generations are skipped from now on.
-    pub fn set_generation(&self, generation: u32) {
-        if let Some(thread) = self.alive() {
-            thread.generation.store(generation, Ordering::Relaxed);
+    /// Forgets a lost thread. What it shares with this process may be in any state.
+    pub fn leave_lost(&mut self) {
+        if self.is_lost() {
+            mem::forget(self.link.take());
         }
     }
 
-    /// The next result, if there is one by now. With `wait`, the call waits for it, for ever if
-    /// nothing was requested.
+    pub fn submit(&mut self, request: CompileRequest) -> Submitted {
+        let link = match &mut self.link {
+            Some(link) => link,
+            link => match CompileThread::of_process() {
+                Found::Thread(thread) => link.insert(Link::to(thread)),
+                Found::Later => return Submitted::Busy,
+                Found::None => return Submitted::NoThread(request),
+            },
+        };
+        if link.waiting == QUEUE_MAX || !link.thread.is_of_this_process() {
+            return Submitted::Busy;
+        }
+        let asked = Request {
+            request,
+            wanted: Arc::clone(&self.wanted),
+            results: link.sender.clone(),
+        };
+        link.waiting += usize::from(link.thread.requests.send(asked).is_ok());
+        Submitted::Queued
+    }
+
+    /// The next result, if there is one by now. With `wait`, the call waits for it; none then
+    /// means that nothing was requested.
     pub fn result(&mut self, wait: bool) -> Option<CompiledRegion> {
-        if self.is_lost() {
+        let link = self.link.as_mut().filter(|link| link.waiting != 0)?;
+        if !link.thread.is_of_this_process() {
             return None;
         }
-        let results = self.thread.as_mut()?.results.get_mut().ok()?;
+        let results = link.results.get_mut().ok()?;
         let result = match wait {
-            true => results.recv().map_err(|_| TryRecvError::Disconnected),
-            false => results.try_recv(),
+            true => results.recv().ok()?,
+            false => results.try_recv().ok()?,
         };
-        match result {
-            Ok(compiled) => return Some(compiled),
-            Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => {}
-        }
-        let thread = self.thread.take()?;
-        if let Err(cause) = thread.handle.join() {
-            panic::resume_unwind(cause);
-        }
-        None
-    }
-
-    fn alive(&self) -> Option<&Thread> {
-        self.thread.as_ref().filter(|_| !self.is_lost())
+        link.waiting -= 1;
+        Some(result.unwrap_or_else(|cause| resume_unwind(cause)))
     }
 }
 
-impl Drop for CompileThread {
+impl Drop for CompileQueue {
     fn drop(&mut self) {
-        let lost = self.is_lost();
-        let Some(thread) = self.thread.take() else {
-            return;
-        };
-        if lost {
-            mem::forget(thread);
-            return;
-        }
-        thread.generation.fetch_add(1, Ordering::Relaxed);
-        drop((thread.requests, thread.results));
-        // The thread has reported a panic that nobody will see here.
-        let _ = thread.handle.join();
-    }
-}
-
-fn serve(
-    queue: &Receiver<CompileRequest>,
-    results: &Sender<CompiledRegion>,
-    generation: &AtomicU32,
-    mut compile: impl FnMut(&CompileRequest) -> CompiledRegion,
-) {
-    while let Ok(request) = queue.recv() {
-        let valid = request.generation == generation.load(Ordering::Relaxed);
-        if valid && results.send(compile(&request)).is_err() {
-            return;
-        }
+        self.leave_lost();
+        self.wanted.advance();
     }
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
-    use std::sync::mpsc::{sync_channel, Receiver};
+    use std::panic;
+    use std::sync::mpsc::{sync_channel, SyncSender};
 
     use arm7tdmi::{CodeWindow, Region};
 
@@ -171,115 +226,111 @@ mod tests {
         }
     }
 
-    fn no_code_for(request: &CompileRequest) -> CompiledRegion {
-        CompiledRegion {
-            generation: request.generation,
-            number: request.region.number,
-            blocks: Vec::new(),
-            exits: Vec::new(),
-            code: None,
+    fn queue_of(thread: &CompileThread) -> CompileQueue {
+        CompileQueue {
+            wanted: Arc::default(),
+            link: Some(Link::to(thread.clone())),
         }
     }
 
-    /// A thread that tells which request it starts, and serves it when the sender lets it.
+    /// A thread that tells which request it serves, and does so when the sender lets it.
     fn gated() -> (CompileThread, SyncSender<()>, Receiver<u32>) {
         let (go, may_go) = sync_channel(64);
         let (started, starts) = sync_channel(64);
-        let compile_thread = CompileThread::start(move |request: &CompileRequest| {
-            let _ = started.send(request.region.number);
-            let _ = may_go.recv();
-            no_code_for(request)
+        let gate = Arc::new(Mutex::new(may_go));
+        let thread = CompileThread::start(move || {
+            let (started, gate) = (started.clone(), Arc::clone(&gate));
+            move |request: &CompileRequest, _: &Generation| {
+                let _ = started.send(request.region.number);
+                let _ = gate.lock().unwrap().recv();
+                CompiledRegion::without_code(request)
+            }
         });
-        (compile_thread.unwrap(), go, starts)
+        (thread.unwrap(), go, starts)
     }
 
-    fn wait_for_result(thread: &mut CompileThread) -> CompiledRegion {
-        thread.result(true).unwrap()
+    fn number_of_next(queue: &mut CompileQueue) -> u32 {
+        queue.result(true).unwrap().number
     }
 
     #[test]
-    fn results_come_in_the_order_of_the_requests() {
-        let mut compile_thread = CompileThread::start(no_code_for).unwrap();
+    fn results_come_to_their_engine_in_the_order_of_its_requests() {
+        let thread = CompileThread::start(|| {
+            |request: &CompileRequest, _: &Generation| CompiledRegion::without_code(request)
+        });
+        let thread = thread.unwrap();
+        let mut queues = [queue_of(&thread), queue_of(&thread)];
         for number in 0..QUEUE_MAX as u32 {
-            assert!(compile_thread.submit(request(0, number)));
+            let queue = &mut queues[number as usize % 2];
+            assert!(matches!(
+                queue.submit(request(0, number)),
+                Submitted::Queued
+            ));
         }
         for number in 0..QUEUE_MAX as u32 {
-            assert_eq!(wait_for_result(&mut compile_thread).number, number);
+            assert_eq!(number_of_next(&mut queues[number as usize % 2]), number);
         }
-        assert!(compile_thread.result(false).is_none());
+        assert!(queues.iter_mut().all(|queue| queue.result(true).is_none()));
     }
 
     #[test]
-    fn the_queue_is_bounded() {
-        let (compile_thread, go, starts) = gated();
-        assert!(compile_thread.submit(request(0, 0)));
-        assert_eq!(starts.recv(), Ok(0));
-        for number in 1..=QUEUE_MAX as u32 {
-            assert!(compile_thread.submit(request(0, number)));
+    fn the_requests_of_an_engine_that_wait_are_bounded() {
+        let (thread, go, starts) = gated();
+        let (mut one, mut other) = (queue_of(&thread), queue_of(&thread));
+        for number in 0..QUEUE_MAX as u32 {
+            assert!(matches!(one.submit(request(0, number)), Submitted::Queued));
         }
-        assert!(!compile_thread.submit(request(0, 99)));
-        assert!(!compile_thread.is_lost());
+        assert!(matches!(one.submit(request(0, 99)), Submitted::Busy));
+        assert!(matches!(other.submit(request(0, 0)), Submitted::Queued));
+        assert_eq!(starts.recv(), Ok(0));
         drop(go);
+        assert_eq!(number_of_next(&mut one), 0);
+        assert!(matches!(one.submit(request(0, 99)), Submitted::Queued));
     }
 
     #[test]
-    fn requests_of_an_invalid_generation_are_skipped() {
-        let (mut compile_thread, go, starts) = gated();
-        for number in 0..3 {
-            assert!(compile_thread.submit(request(0, number)));
-        }
-        assert_eq!(starts.recv(), Ok(0));
-        compile_thread.set_generation(1);
-        assert!(compile_thread.submit(request(1, 3)));
-        go.send(()).unwrap();
-        go.send(()).unwrap();
-        assert_eq!(starts.recv(), Ok(3));
-        assert_eq!(wait_for_result(&mut compile_thread).generation, 0);
-        assert_eq!(wait_for_result(&mut compile_thread).number, 3);
+    fn requests_of_an_engine_that_is_gone_do_not_end_the_thread() {
+        let (thread, go, starts) = gated();
+        let (mut one, mut other) = (queue_of(&thread), queue_of(&thread));
+        assert!(matches!(one.submit(request(0, 1)), Submitted::Queued));
+        assert!(matches!(other.submit(request(0, 2)), Submitted::Queued));
+        assert_eq!(starts.recv(), Ok(1));
+        drop((one, go));
+        assert_eq!(number_of_next(&mut other), 2);
     }
 
     #[test]
-    fn dropping_the_handle_ends_the_thread_and_skips_waiting_requests() {
-        let (compile_thread, go, starts) = gated();
-        for number in 0..3 {
-            assert!(compile_thread.submit(request(0, number)));
-        }
-        assert_eq!(starts.recv(), Ok(0));
-        let generation = Arc::clone(&compile_thread.alive().unwrap().generation);
-        let dropping = thread::spawn(move || drop(compile_thread));
-        while generation.load(Ordering::Relaxed) == 0 {
-            thread::yield_now();
-        }
-        drop(go);
-        dropping.join().unwrap();
-        // The thread has the only other end.
-        assert!(starts.recv().is_err());
-    }
-
-    #[test]
-    fn a_panic_of_the_thread_continues_where_its_results_are_taken() {
-        let mut compile_thread =
-            CompileThread::start(|_: &CompileRequest| panic!("no code for this")).unwrap();
-        assert!(compile_thread.submit(request(0, 0)));
-        let taking = panic::AssertUnwindSafe(|| wait_for_result(&mut compile_thread).number);
-        let cause = panic::catch_unwind(taking).unwrap_err();
-        assert_eq!(cause.downcast_ref(), Some(&"no code for this"));
-        assert!(compile_thread.is_lost());
-        assert!(!compile_thread.submit(request(0, 1)));
-        assert!(compile_thread.result(true).is_none());
+    fn a_panic_of_the_compiler_continues_where_its_result_is_taken() {
+        let thread = CompileThread::start(|| {
+            let mut served = 0;
+            move |request: &CompileRequest, _: &Generation| {
+                served += 1;
+                assert!(request.region.number != 0, "no code for this");
+                assert_eq!(served, 1, "the compiler of before the panic");
+                CompiledRegion::without_code(request)
+            }
+        });
+        let mut queue = queue_of(&thread.unwrap());
+        assert!(matches!(queue.submit(request(0, 0)), Submitted::Queued));
+        assert!(matches!(queue.submit(request(0, 1)), Submitted::Queued));
+        let cause = panic::catch_unwind(AssertUnwindSafe(|| number_of_next(&mut queue)));
+        assert_eq!(cause.unwrap_err().downcast_ref(), Some(&"no code for this"));
+        assert_eq!(number_of_next(&mut queue), 1);
     }
 
     /// What a fork leaves to the child: a thread of another process.
     #[test]
     fn the_thread_of_another_process_is_left_alone() {
-        let (mut compile_thread, _go, starts) = gated();
-        assert!(compile_thread.submit(request(0, 0)));
+        let (mut thread, _go, starts) = gated();
+        let mut queue = queue_of(&thread);
+        assert!(matches!(queue.submit(request(0, 0)), Submitted::Queued));
         assert_eq!(starts.recv(), Ok(0));
-        compile_thread.process = compile_thread.process.wrapping_add(1);
-        assert!(compile_thread.is_lost());
-        assert!(!compile_thread.submit(request(0, 1)));
-        assert!(compile_thread.result(true).is_none());
-        // It would not end: its thread waits.
-        drop(compile_thread);
+        thread.process = thread.process.wrapping_add(1);
+        queue.link.as_mut().unwrap().thread.process = thread.process;
+        assert!(queue.is_lost());
+        assert!(matches!(queue.submit(request(0, 1)), Submitted::Busy));
+        assert!(queue.result(true).is_none());
+        queue.leave_lost();
+        assert!(!queue.is_lost() && queue.result(true).is_none());
     }
 }

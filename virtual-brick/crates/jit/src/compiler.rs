@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //! From regions to machine code of the host.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::OnceLock;
+
 use arm7tdmi::Region;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::{InstBuilder, MemFlags};
@@ -9,7 +12,8 @@ use cranelift_codegen::isa::OwnedTargetIsa;
 use cranelift_codegen::Context;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 
-use crate::entry_table::Exit;
+use crate::code_memory::host_isa;
+use crate::entry_table::{Exit, Exits};
 use crate::function::CYCLES_LEFT_OFFSET;
 use crate::host_code::{entry_signature, region_signature, HostCode};
 use crate::region::{Layout, RegionCompiler};
@@ -31,8 +35,61 @@ pub(crate) struct CompiledRegion {
     pub blocks: Vec<(u32, u32, u32)>,
     /// The exits that it adds to those of its generation.
     pub exits: Vec<Exit>,
-    /// None where the compiler failed.
+    /// None where the compiler failed, or the generation is invalid.
     pub code: Option<HostCode>,
+}
+
+impl CompiledRegion {
+    pub fn without_code(request: &CompileRequest) -> Self {
+        let blocks = request.region.blocks.iter();
+        Self {
+            generation: request.generation,
+            number: request.region.number,
+            blocks: blocks
+                .map(|block| (block.key, block.halfword, block.refill_cycles))
+                .collect(),
+            exits: Vec::new(),
+            code: None,
+        }
+    }
+}
+
+/// The generation of code that an engine wants, and how many exits that has by now.
+#[derive(Debug, Default)]
+pub(crate) struct Generation(AtomicU64);
+
+impl Generation {
+    /// Begins the next one.
+    pub fn advance(&self) {
+        let next = self.current().wrapping_add(1);
+        self.0.store(u64::from(next) << 32, Ordering::Relaxed);
+    }
+
+    pub fn current(&self) -> u32 {
+        (self.0.load(Ordering::Relaxed) >> 32) as u32
+    }
+
+    /// Exits of a generation; none if another is wanted.
+    fn exits_of(&self, generation: u32) -> Option<u32> {
+        let both = self.0.load(Ordering::Relaxed);
+        ((both >> 32) as u32 == generation).then_some(both as u32)
+    }
+
+    /// The generation has so many exits after `first`; false if another is wanted by now.
+    fn add_exits(&self, generation: u32, first: u32, count: usize) -> bool {
+        let before = u64::from(generation) << 32 | u64::from(first);
+        let after = before + count as u64;
+        let (set, failed) = (Ordering::Relaxed, Ordering::Relaxed);
+        self.0.compare_exchange(before, after, set, failed).is_ok()
+    }
+}
+
+/// The function that Rust calls: it passes its arguments on to a region's code. The same for all
+/// engines; none where the compiler failed.
+pub(crate) fn entry_function() -> Option<&'static HostCode> {
+    static CODE: OnceLock<Option<HostCode>> = OnceLock::new();
+    let compile = || Compiler::new(host_isa()?).compile_entry_function();
+    CODE.get_or_init(compile).as_ref()
 }
 
 /// Compiles one region after the other.
@@ -40,8 +97,6 @@ pub(crate) struct Compiler {
     isa: OwnedTargetIsa,
     context: Context,
     builder: FunctionBuilderContext,
-    generation: u32,
-    exits: Vec<Exit>,
 }
 
 impl Compiler {
@@ -50,13 +105,10 @@ impl Compiler {
             isa,
             context: Context::new(),
             builder: FunctionBuilderContext::new(),
-            generation: 0,
-            exits: Vec::new(),
         }
     }
 
-    /// The function that Rust calls: it passes its arguments on to a region's code.
-    pub fn compile_entry_function(&mut self) -> Option<HostCode> {
+    fn compile_entry_function(&mut self) -> Option<HostCode> {
         self.context.clear();
         self.context.func.signature = entry_signature(&self.isa);
         let mut builder = FunctionBuilder::new(&mut self.context.func, &mut self.builder);
@@ -79,31 +131,25 @@ impl Compiler {
         self.finish()
     }
 
-    pub fn compile(&mut self, request: &CompileRequest) -> CompiledRegion {
-        if self.generation != request.generation {
-            self.generation = request.generation;
-            self.exits.clear();
-        }
-        let first_exit = self.exits.len();
+    /// Compiles the region, if its engine wants its generation.
+    pub fn compile(&mut self, request: &CompileRequest, wanted: &Generation) -> CompiledRegion {
+        let mut compiled = CompiledRegion::without_code(request);
+        let Some(first) = wanted.exits_of(request.generation) else {
+            return compiled;
+        };
+        let exits = Vec::new();
+        let mut exits = Exits { first, exits };
         self.context.clear();
         self.context.func.signature = region_signature();
         let builder = FunctionBuilder::new(&mut self.context.func, &mut self.builder);
         let (region, layout) = (&request.region, request.layout);
-        RegionCompiler::new(builder, region, layout, &mut self.exits).compile();
+        RegionCompiler::new(builder, region, layout, &mut exits).compile();
         let code = self.finish();
-        if code.is_none() {
-            self.exits.truncate(first_exit);
+        if code.is_some() && wanted.add_exits(request.generation, first, exits.exits.len()) {
+            compiled.exits = exits.exits;
+            compiled.code = code;
         }
-        let blocks = region.blocks.iter();
-        CompiledRegion {
-            generation: request.generation,
-            number: region.number,
-            blocks: blocks
-                .map(|block| (block.key, block.halfword, block.refill_cycles))
-                .collect(),
-            exits: self.exits[first_exit..].to_vec(),
-            code,
-        }
+        compiled
     }
 
     fn finish(&mut self) -> Option<HostCode> {

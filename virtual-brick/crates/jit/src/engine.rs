@@ -4,14 +4,15 @@
 
 use std::collections::VecDeque;
 use std::fmt;
+use std::sync::Arc;
 
 use arm7tdmi::{
     CodeExit, CompileAnswer, GuestState, Jit, RamView, Region, EXIT_BY_BRANCH, NO_ADDRESS,
 };
 
 use crate::code_memory::{host_isa, CodeMemory, ARENA_BYTES};
-use crate::compile_thread::CompileThread;
-use crate::compiler::{CompileRequest, CompiledRegion, Compiler};
+use crate::compile_thread::{CompileQueue, Submitted};
+use crate::compiler::{entry_function, CompileRequest, CompiledRegion, Compiler, Generation};
 use crate::entry_table::{empty_table, entry, no_entry, AfterStore, Entry, Exit};
 use crate::region::Layout;
 
@@ -27,7 +28,7 @@ const BYTES_MAX: usize = ARENA_BYTES - (64 << 10);
 pub enum CompileMode {
     /// Before the run continues.
     Synchronous,
-    /// By a compile thread, while the run continues with interpreted blocks.
+    /// By the compile thread, while the run continues with interpreted blocks.
     Background,
 }
 
@@ -39,10 +40,11 @@ pub struct JitEngine {
     exits: Vec<Exit>,
     threshold_runs: u32,
     mode: CompileMode,
-    compiler: Compiler,
-    thread: Option<CompileThread>,
     /// Code and requests of other generations are invalid.
-    generation: u32,
+    generation: Arc<Generation>,
+    queue: CompileQueue,
+    /// None before the first request that is served at once.
+    compiler: Option<Compiler>,
     /// Regions that have been compiled and not installed yet.
     compiled: VecDeque<CompiledRegion>,
 }
@@ -65,15 +67,16 @@ impl JitEngine {
     }
 
     fn with(memory: CodeMemory, threshold_runs: u32, mode: CompileMode) -> Self {
+        let generation = Arc::new(Generation::default());
         Self {
-            compiler: Compiler::new(memory.isa().clone()),
             memory,
             table: Box::default(),
             exits: Vec::new(),
             threshold_runs,
             mode,
-            thread: None,
-            generation: 0,
+            queue: CompileQueue::new(Arc::clone(&generation)),
+            generation,
+            compiler: None,
             compiled: VecDeque::new(),
         }
     }
@@ -84,27 +87,28 @@ impl JitEngine {
             self.table = empty_table(HALFWORDS);
         }
         if !self.memory.has_entry_function() {
-            let code = self.compiler.compile_entry_function()?;
-            self.memory.define_entry_function(&code)?;
+            self.memory.define_entry_function(entry_function()?)?;
         }
         Some(())
     }
 
-    fn submit(&mut self, request: CompileRequest) -> CompileAnswer {
+    fn submit(&mut self, mut request: CompileRequest) -> CompileAnswer {
         self.collect(false);
-        if self.mode == CompileMode::Background && self.thread.is_none() {
-            let mut compiler = Compiler::new(self.memory.isa().clone());
-            self.thread = CompileThread::start(move |request| compiler.compile(request));
+        if self.mode == CompileMode::Background {
+            match self.queue.submit(request) {
+                Submitted::Queued => return CompileAnswer::Queued,
+                Submitted::Busy => return CompileAnswer::Busy,
+                Submitted::NoThread(back) => {
+                    request = back;
+                    self.mode = CompileMode::Synchronous;
+                }
+            }
         }
-        if let Some(thread) = &self.thread {
-            return match thread.submit(request) {
-                true => CompileAnswer::Queued,
-                false => CompileAnswer::Busy,
-            };
-        }
-        // The host gives no thread, or none was wanted.
-        self.mode = CompileMode::Synchronous;
-        let compiled = self.compiler.compile(&request);
+        let isa = self.memory.isa();
+        let compiler = self
+            .compiler
+            .get_or_insert_with(|| Compiler::new(isa.clone()));
+        let compiled = compiler.compile(&request, &self.generation);
         self.compiled.push_back(compiled);
         CompileAnswer::Queued
     }
@@ -113,10 +117,10 @@ impl JitEngine {
     fn collect(&mut self, wait: bool) {
         loop {
             let wait = wait && self.compiled.is_empty();
-            let Some(compiled) = self.thread.as_mut().and_then(|thread| thread.result(wait)) else {
+            let Some(compiled) = self.queue.result(wait) else {
                 return;
             };
-            if compiled.generation == self.generation {
+            if compiled.generation == self.generation.current() {
                 self.compiled.push_back(compiled);
             }
         }
@@ -154,7 +158,7 @@ impl Jit for JitEngine {
             table_address: self.table.as_ptr() as usize,
         };
         self.submit(CompileRequest {
-            generation: self.generation,
+            generation: self.generation.current(),
             region,
             layout,
         })
@@ -180,11 +184,8 @@ impl Jit for JitEngine {
     }
 
     fn invalidate_all(&mut self) {
-        self.generation = self.generation.wrapping_add(1);
-        self.thread.take_if(|thread| thread.is_lost());
-        if let Some(thread) = &self.thread {
-            thread.set_generation(self.generation);
-        }
+        self.queue.leave_lost();
+        self.generation.advance();
         self.compiled.clear();
         self.table = Box::default();
         self.exits.clear();
@@ -196,8 +197,7 @@ impl Jit for JitEngine {
     }
 
     fn is_exhausted(&self) -> bool {
-        let lost = self.thread.as_ref().is_some_and(CompileThread::is_lost);
-        lost || self.memory.bytes() >= BYTES_MAX
+        self.queue.is_lost() || self.memory.bytes() >= BYTES_MAX
     }
 
     fn run(&mut self, halfword: u32, state: &mut GuestState, ram: RamView<'_>) -> CodeExit {

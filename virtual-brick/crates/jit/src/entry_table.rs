@@ -56,6 +56,22 @@ pub(crate) struct Exit {
     pub after_store: AfterStore,
 }
 
+/// The exits of a region; their numbers are those of its engine, which has others already.
+#[derive(Debug)]
+pub(crate) struct Exits {
+    pub first: u32,
+    pub exits: Vec<Exit>,
+}
+
+impl Exits {
+    /// Number of an exit more.
+    pub fn add(&mut self, exit: Exit) -> u32 {
+        let number = self.first + self.exits.len() as u32;
+        self.exits.push(exit);
+        number
+    }
+}
+
 /// Was the instruction executed last a store?
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum AfterStore {

@@ -11,7 +11,7 @@ use cranelift_codegen::ir::{
 use cranelift_frontend::{FuncInstBuilder, FunctionBuilder};
 
 use crate::access_range::AccessRange;
-use crate::entry_table::{AfterStore, Exit};
+use crate::entry_table::{AfterStore, Exit, Exits};
 use crate::flags::{Field, Flag, Flags};
 
 /// Offset of the cycles left in the state.
@@ -102,7 +102,7 @@ pub(crate) struct Function<'a> {
     pub position: Position,
     /// The code so far ends with a jump.
     pub ended: bool,
-    exits: &'a mut Vec<Exit>,
+    exits: &'a mut Exits,
     /// Returns to the caller, with cycles left and the exit's number.
     exit_block: Block,
     /// Blocks that store flags first and then return.
@@ -131,7 +131,7 @@ impl<'a> Function<'a> {
         arguments: Arguments,
         (table, ram): (EntryTable, Ram),
         left: Value,
-        exits: &'a mut Vec<Exit>,
+        exits: &'a mut Exits,
     ) -> Self {
         let exit_block = new_exit_block(&mut builder);
         Self {
@@ -257,8 +257,7 @@ impl<'a> Function<'a> {
     }
 
     fn exit_through(&mut self, block: Block, left: Value, exit: Exit) {
-        let number = self.exits.len() as u32;
-        self.exits.push(exit);
+        let number = self.exits.add(exit);
         let number = self.constant(number);
         self.ins().jump(block, &[left.into(), number.into()]);
         self.ended = true;

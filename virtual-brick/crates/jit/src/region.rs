@@ -13,7 +13,7 @@ use cranelift_frontend::FunctionBuilder;
 use crate::access_range::{range_around_base, AccessRange};
 use crate::alu::is_pure;
 use crate::block_transfer::is_supported;
-use crate::entry_table::{AfterStore, Exit};
+use crate::entry_table::{AfterStore, Exit, Exits};
 use crate::function::{Arguments, EntryTable, Function, Position, Ram};
 use crate::host_code::region_signature;
 
@@ -44,7 +44,7 @@ impl<'a> RegionCompiler<'a> {
         mut builder: FunctionBuilder<'a>,
         region: &'a Region,
         layout: Layout,
-        exits: &'a mut Vec<Exit>,
+        exits: &'a mut Exits,
     ) -> Self {
         let entry = builder.create_block();
         builder.append_block_params_for_function_params(entry);

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! The compile thread: the run is the same whenever its code arrives, and the thread ends with its
-//! brick.
+//! The compile thread: the run is the same whenever its code arrives, and all bricks of a process
+//! have one.
 #![allow(clippy::unwrap_used)]
 
 mod support;
 
 use std::fs;
-use std::sync::{Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -18,13 +17,6 @@ use virtual_brick::{Engine, VirtualBrick};
 
 /// The tests wait for things that come soon, or never.
 const LONGEST: Duration = Duration::from_secs(60);
-
-/// Bricks of one test at a time, since threads are counted.
-static ALONE: Mutex<()> = Mutex::new(());
-
-fn alone() -> MutexGuard<'static, ()> {
-    ALONE.lock().unwrap_or_else(|held| held.into_inner())
-}
 
 fn brick(elf: &[u8], engine: Engine) -> VirtualBrick {
     let mut configuration = vehicle();
@@ -64,16 +56,6 @@ fn compile_threads() -> usize {
         .count()
 }
 
-/// The system shows a thread a little after it has begun, and after it has ended.
-#[cfg(target_os = "linux")]
-fn wait_for_compile_threads(count: usize) {
-    let begun = Instant::now();
-    while compile_threads() != count {
-        assert!(begun.elapsed() < LONGEST, "{} threads", compile_threads());
-        thread::yield_now();
-    }
-}
-
 fn assert_same(one: &VirtualBrick, other: &VirtualBrick, what: &str) {
     assert_eq!(one.cycles(), other.cycles(), "{what}");
     assert_eq!(one.processor(), other.processor(), "{what}");
@@ -82,7 +64,6 @@ fn assert_same(one: &VirtualBrick, other: &VirtualBrick, what: &str) {
 
 #[test]
 fn random_programs_run_alike_whenever_their_code_arrives() {
-    let _alone = alone();
     for (seed, kind) in (0..24).zip([Kind::Ram, Kind::Flash].into_iter().cycle()) {
         let elf = random::image(seed, kind);
         let (mut fast, mut blocks) = (brick(&elf, Engine::Fast), brick(&elf, Engine::Blocks));
@@ -121,7 +102,6 @@ fn changing() -> Vec<u8> {
 
 #[test]
 fn code_of_a_program_that_has_changed_is_not_installed() {
-    let _alone = alone();
     let elf = changing();
     let (mut fast, mut blocks) = (brick(&elf, Engine::Fast), brick(&elf, Engine::Blocks));
     fast.run_until(20_000);
@@ -135,7 +115,6 @@ fn code_of_a_program_that_has_changed_is_not_installed() {
 
 #[test]
 fn a_run_continues_alike_when_code_is_installed() {
-    let _alone = alone();
     let elf = busy();
     let mut fast = brick(&elf, Engine::Fast);
     run_until_compiled(&mut fast);
@@ -146,7 +125,6 @@ fn a_run_continues_alike_when_code_is_installed() {
 
 #[test]
 fn a_block_that_never_leaves_the_engine_waits_for_its_code() {
-    let _alone = alone();
     let mut fast = brick(&busy(), Engine::Fast);
     fast.run_until(100_000);
     assert_ne!(fast.jit_code_bytes(), 0);
@@ -154,7 +132,6 @@ fn a_block_that_never_leaves_the_engine_waits_for_its_code() {
 
 #[test]
 fn snapshots_and_copies_start_without_jit_code_and_run_alike() {
-    let _alone = alone();
     let elf = busy();
     let mut brick = brick(&elf, Engine::Fast);
     brick.run_until(20_000);
@@ -172,22 +149,19 @@ fn snapshots_and_copies_start_without_jit_code_and_run_alike() {
     assert_same(&brick, &copy, "restored");
 }
 
-/// This holds while the thread compiles, and if another thread drops the brick.
+/// Bricks that are dropped while the thread compiles for them are among them.
 #[test]
 #[cfg(target_os = "linux")]
-fn the_thread_ends_with_its_brick() {
-    let _alone = alone();
+fn all_bricks_of_a_process_have_one_compile_thread() {
     let elf = busy();
     for count in 0..200 {
         let mut brick = brick(&elf, Engine::Fast);
         brick.run_until(5_000);
         if count % 10 == 0 {
-            wait_for_compile_threads(1);
             run_until_compiled(&mut brick);
+            assert_eq!(compile_threads(), 1);
             thread::spawn(move || drop(brick)).join().unwrap();
-        } else {
-            drop(brick);
         }
-        wait_for_compile_threads(0);
     }
+    assert_eq!(compile_threads(), 1);
 }
