@@ -113,13 +113,6 @@ class Program(TyperGroup):
             with formatter.section(group):
                 formatter.write_dl([(name, COMMANDS[name]) for name in names.split()])
 
-    def get_params(self, ctx: Any) -> list[Any]:
-        """See Typer, which loads pydantic for the default None of its own flags."""
-        flags: list[Any] = super().get_params(ctx)
-        for flag in flags:
-            flag.default = False
-        return flags
-
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
         """See Typer."""
         name, found, rest = super().resolve_command(ctx, args)

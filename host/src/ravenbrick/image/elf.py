@@ -5,17 +5,14 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, NamedTuple
 
 from ravenbrick.errors import ImageFileError, shown_path
 from ravenbrick.project.workspace import BuildKind
-
-if TYPE_CHECKING:
-    from elftools.elf.elffile import ELFFile
 
 __all__ = [
     "DEBUGGING_BUILD",
@@ -32,8 +29,12 @@ ImageKind = Literal["ram", "flash"]
 DEBUGGING_BUILD = "debugging build: its times are not those of the release image"
 _DEBUG_MARK = "ravenbrick_debugging_build"  # tools/application.gpr
 _BUILD = "build it with 'ravenbrick build'"
+# Of the ELF specification, 32 bits; pyelftools takes ten times as long, and to load besides.
 _HEADER = struct.Struct("<16xHHIIIIIHHHHHH")
+_PROGRAM_HEADER = struct.Struct("<6I8x")
+_SECTION_HEADER = struct.Struct("<7I12x")
 _SYMBOL = struct.Struct("<III2xH")
+_LOADED, _SYMBOL_TABLES, _WITHOUT_CONTENT = 1, (2, 11), 8
 _UNDEFINED = 0
 
 
@@ -107,12 +108,11 @@ class ElfImage:
 
     def bytes_at(self, address: int, size: int) -> bytes:
         """What the file loads at an address; fewer bytes where its segment ends."""
-        from elftools.elf.elffile import ELFFile
-
-        for segment in ELFFile(io.BytesIO(self.content)).iter_segments("PT_LOAD"):
-            offset = address - segment["p_vaddr"]
-            if 0 <= offset < segment["p_filesz"]:
-                return bytes(segment.data()[offset : offset + size])
+        for segment in _segments(self.content):
+            offset = address - segment.address
+            if 0 <= offset < segment.file_bytes:
+                size = min(size, segment.file_bytes - offset)
+                return self.content[segment.offset + offset :][:size]
         return b""
 
     def task_objects(self) -> dict[str, Symbol]:
@@ -152,18 +152,50 @@ def _check_header(path: Path, content: bytes) -> None:
         raise _refuse(path, f"is truncated: {len(content)} of at least {needed} bytes")
 
 
-def _check_segments(path: Path, elf: ELFFile, length: int) -> None:
-    for segment in elf.iter_segments("PT_LOAD"):
-        end = segment["p_offset"] + segment["p_filesz"]
-        if end > length:
-            raise _refuse(path, f"is truncated: {length} of at least {end} bytes")
-        if segment["p_memsz"] == 0:
+class _Segment(NamedTuple):
+    kind: int
+    offset: int
+    address: int
+    load_address: int
+    file_bytes: int
+    memory_bytes: int
+
+
+class _SectionHeader(NamedTuple):
+    name: int
+    kind: int
+    flags: int
+    address: int
+    offset: int
+    size: int
+    link: int
+
+
+def _segments(content: bytes) -> Iterator[_Segment]:
+    """What is loaded, of a file whose header was checked."""
+    fields = _HEADER.unpack_from(content)
+    begin, size, count = fields[4], fields[8], fields[9]
+    table = content[begin : begin + size * count] if size == _PROGRAM_HEADER.size else b"?"
+    found = (_Segment(*row) for row in _PROGRAM_HEADER.iter_unpack(table))
+    return (segment for segment in found if segment.kind == _LOADED)
+
+
+def _headers_of_sections(content: bytes) -> list[_SectionHeader]:
+    fields = _HEADER.unpack_from(content)
+    begin, size, count = fields[5], fields[10], fields[11]
+    table = content[begin : begin + size * count] if size == _SECTION_HEADER.size else b"?"
+    return [_SectionHeader(*row) for row in _SECTION_HEADER.iter_unpack(table)]
+
+
+def _check_segments(path: Path, content: bytes) -> None:
+    for segment in _segments(content):
+        end = segment.offset + segment.file_bytes
+        if end > len(content):
+            raise _refuse(path, f"is truncated: {len(content)} of at least {end} bytes")
+        if segment.memory_bytes == 0:
             continue
-        for address, size in (
-            (segment["p_vaddr"], segment["p_memsz"]),
-            (segment["p_paddr"], segment["p_filesz"]),
-        ):
-            _check_place(path, address, size)
+        _check_place(path, segment.address, segment.memory_bytes)
+        _check_place(path, segment.load_address, segment.file_bytes)
 
 
 def _check_place(path: Path, address: int, size: int) -> None:
@@ -182,34 +214,42 @@ def _check_place(path: Path, address: int, size: int) -> None:
         raise _refuse(path, f"has a segment at 0x{address:08X}, where the brick has no memory")
 
 
-def _sections(elf: ELFFile) -> tuple[Section, ...]:
+def _sections(content: bytes, headers: list[_SectionHeader]) -> tuple[Section, ...]:
+    names = _content_of(content, headers[_HEADER.unpack_from(content)[12]]) if headers else b""
     found = []
-    for section in elf.iter_sections():
-        flags = section["sh_flags"]
-        if not flags & 2 or section["sh_size"] == 0:
+    for section in headers:
+        if not section.flags & 2 or section.size == 0:
             continue
-        kind: Literal["text", "data", "bss"] = "data" if flags & 1 else "text"
-        if section["sh_type"] == "SHT_NOBITS":
+        kind: Literal["text", "data", "bss"] = "data" if section.flags & 1 else "text"
+        if section.kind == _WITHOUT_CONTENT:
             kind = "bss"
-        found.append(Section(section.name, section["sh_addr"], section["sh_size"], kind))
+        name = _name_at(names, section.name).decode("utf-8", "replace")
+        found.append(Section(name, section.address, section.size, kind))
     return tuple(sorted(found, key=lambda section: section.address))
 
 
-def _symbols(elf: ELFFile) -> dict[str, Symbol]:
-    from elftools.elf.sections import SymbolTableSection  # slow to load
+def _content_of(content: bytes, section: _SectionHeader) -> bytes:
+    return content[section.offset : section.offset + section.size]
 
+
+def _name_at(names: bytes, begin: int) -> bytes:
+    return names[begin : max(begin, names.find(b"\0", begin))]
+
+
+def _symbols(content: bytes, headers: list[_SectionHeader]) -> dict[str, Symbol]:
     found: dict[str, Symbol] = {}
-    for table in elf.iter_sections():
-        if isinstance(table, SymbolTableSection):
-            found |= _defined(table.data(), table.stringtable.data())
+    for table in headers:
+        if table.kind in _SYMBOL_TABLES:
+            names = _content_of(content, headers[table.link])
+            found |= _defined(_content_of(content, table), names)
     return found
 
 
 def _defined(table: bytes, names: bytes) -> dict[str, Symbol]:
-    """The named symbols of a table: pyelftools takes ten times as long for its whole entries."""
+    """The named symbols of a table."""
     found: dict[str, Symbol] = {}
     for begin, value, size, section in _SYMBOL.iter_unpack(table):
-        name = names[begin : max(begin, names.find(b"\0", begin))]
+        name = _name_at(names, begin)
         if name and section != _UNDEFINED:
             found[name.decode("utf-8", "replace")] = Symbol(value, size)
     return found
@@ -241,17 +281,14 @@ def read_binary(path: Path, place: str) -> ElfImage:
 
 def read_image(path: Path) -> ElfImage:
     """Read and check an image; raises `ImageFileError` with what is wrong and what to do."""
-    from elftools.common.exceptions import ELFError  # slow to load
-    from elftools.elf.elffile import ELFFile
-
     content = _content(path)
     _check_header(path, content)
     try:
-        elf = ELFFile(io.BytesIO(content))
-        _check_segments(path, elf, len(content))
-        entry = elf["e_entry"]
-        sections, symbols = _sections(elf), _symbols(elf)
-    except (ELFError, ValueError, KeyError, AttributeError, struct.error) as error:
+        _check_segments(path, content)
+        headers = _headers_of_sections(content)
+        sections, symbols = _sections(content, headers), _symbols(content, headers)
+    except (IndexError, struct.error) as error:
         raise _refuse(path, f"is damaged ({type(error).__name__})") from None
+    entry = _HEADER.unpack_from(content)[3]
     kind: ImageKind = "flash" if FLASH.begin <= entry < FLASH.end else "ram"
     return ElfImage(path, content, kind, entry, sections, symbols)

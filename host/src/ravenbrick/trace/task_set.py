@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import Robot, Task
@@ -20,13 +21,17 @@ PERIOD_TOLERANCE_US = 1.0
 LEAST_INTERVALS = 3
 
 
+def _releases(recording: Recording, thread: int) -> NDArray[np.int64]:
+    return np.array([job.release_cycles for job in jobs_of(recording, thread)], np.int64)
+
+
 def _observed_period_us(recording: Recording, thread: int) -> float | None:
     """In the run's last quarter if it has enough releases: a task may begin by setting up."""
-    releases = [job.release_cycles for job in jobs_of(recording, thread)][1:]
-    late = [release for release in releases if 4 * release >= 3 * recording.stop.at_cycles]
-    if len(late) >= 3:
+    releases = _releases(recording, thread)[1:]
+    late = releases[4 * releases >= 3 * recording.stop.at_cycles]
+    if late.size >= 3:
         releases = late
-    if len(releases) < 3:
+    if releases.size < 3:
         return None
     return 1e6 * float(np.median(np.diff(releases))) / float(recording.clock.hertz)
 
@@ -76,7 +81,7 @@ def check_shortest_interval(
     index = [task.name for task in robot.tasks].index(name)
     thread = recording.thread_index(name)
     period_us = robot.tasks[index].period_us
-    releases = np.array([job.release_cycles for job in jobs_of(recording, thread)], np.int64)
+    releases = _releases(recording, thread)
     releases = releases[releases == np.maximum.accumulate(releases)]
     apart = 1 + waits
     intervals_us = 1e6 * (releases[apart:] - releases[:-apart]) / float(recording.clock.hertz)
