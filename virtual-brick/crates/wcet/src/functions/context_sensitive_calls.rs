@@ -314,7 +314,7 @@ fn restore(after: &mut State, before: &State, changed: u16, pointer: i32) {
     after.spans.clear();
     after.shifted.clear();
     if matches!(before.registers[13], Value::Stack(_)) {
-        after.stack_words.retain(|offset, _| *offset >= pointer);
-        after.saved_pointers.retain(|offset, _| *offset >= pointer);
+        after.stack_words.retain(|offset, _| offset >= pointer);
+        after.saved_pointers.retain(|offset, _| offset >= pointer);
     }
 }

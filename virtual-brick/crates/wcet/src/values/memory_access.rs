@@ -71,7 +71,7 @@ impl Step<'_> {
             let loaded = self.load(&address, transfer.width, transfer.signed);
             let saved = match (transfer.register, &address) {
                 (13, Value::Stack(word)) if loaded == Value::Top => {
-                    self.state.saved_pointers.get(word).copied()
+                    self.state.saved_pointers.get(*word).copied()
                 }
                 _ => None,
             };
@@ -102,7 +102,9 @@ impl Step<'_> {
                 _ => None,
             };
             self.store(&address, transfer.width, stored);
-            self.state.saved_pointers.extend(saved);
+            if let Some((word, pointer)) = saved {
+                self.state.saved_pointers.insert(word, pointer);
+            }
             if !known {
                 self.relate(transfer, &address);
             }
@@ -178,7 +180,7 @@ impl Step<'_> {
     fn load(&self, address: &Value, width: Width, signed: bool) -> Value {
         if let Value::Stack(offset) = address {
             let aligned = width == Width::Word && offset % 4 == 0;
-            if let Some(value) = self.state.stack_words.get(offset).filter(|_| aligned) {
+            if let Some(value) = self.state.stack_words.get(*offset).filter(|_| aligned) {
                 return value.clone();
             }
         }
@@ -278,11 +280,11 @@ impl Step<'_> {
         match address {
             Value::Stack(offset) => {
                 let word = offset & !3;
-                self.state.saved_pointers.remove(&word);
+                self.state.saved_pointers.remove(word);
                 if width == Width::Word && word == *offset && value != Value::Top {
                     self.state.stack_words.insert(word, value);
                 } else {
-                    self.state.stack_words.remove(&word);
+                    self.state.stack_words.remove(word);
                 }
                 return;
             }

@@ -22,6 +22,7 @@ pub mod spans;
 pub mod state;
 pub mod support_library;
 pub mod value;
+pub mod words;
 
 #[cfg(test)]
 #[path = "tests/random_instructions.rs"]

@@ -10,7 +10,7 @@ use crate::values::quotients::Quotient;
 use crate::values::relations::{Location, Relations};
 use crate::values::spans::{ShiftedCopy, Span};
 use crate::values::value::Value;
-use std::collections::BTreeMap;
+use crate::values::words::Words;
 
 /// Knowledge at one point. Stack offsets count from the stack pointer at the function's entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub struct State {
     /// Registers that hold what other ones hold, shifted.
     pub shifted: Vec<ShiftedCopy>,
     /// Known words of the stack.
-    pub stack_words: BTreeMap<i32, Value>,
+    pub stack_words: Words<Value>,
     /// Bit n is set when the flags may be n (NZCV as a number).
     pub flags: u16,
     /// What the flags come from, if it is a comparison.
@@ -44,7 +44,7 @@ pub struct State {
     /// Words of the stack to which a store wrote the stack pointer, and what it was: that of a
     /// frame before an object whose size is computed. If such a word is loaded into r13, nothing
     /// but a store there has changed it.
-    pub saved_pointers: BTreeMap<i32, i32>,
+    pub saved_pointers: Words<i32>,
     /// How many objects are entered by a function of the kernel that masks interrupts for it.
     pub mask_count: Option<u32>,
     /// Urgency of the running thread or handler, where it is known.
@@ -82,14 +82,6 @@ fn joined_urgencies(a: &[u32], b: &[u32]) -> Vec<u32> {
         .collect()
 }
 
-/// What is in both.
-fn common(one: &BTreeMap<i32, i32>, other: &BTreeMap<i32, i32>) -> BTreeMap<i32, i32> {
-    let both = one
-        .iter()
-        .filter(|(key, value)| other.get(key) == Some(value));
-    both.map(|(key, value)| (*key, *value)).collect()
-}
-
 /// A stack pointer that may be one of several: how deep it is, is kept apart from it.
 fn pointer_of_frame(value: Value) -> Value {
     match value {
@@ -115,7 +107,7 @@ impl State {
             quotients: Vec::new(),
             spans: Vec::new(),
             shifted: Vec::new(),
-            stack_words: BTreeMap::new(),
+            stack_words: Words::default(),
             flags: ANY_FLAGS,
             comparison: None,
             tested: None,
@@ -123,7 +115,7 @@ impl State {
             suspended_pointer: None,
             urgencies: Vec::new(),
             lowest_pointer: Some(0),
-            saved_pointers: BTreeMap::new(),
+            saved_pointers: Words::default(),
             mask_count: Some(0),
             urgency: None,
             control: None,
@@ -177,18 +169,11 @@ impl State {
             _ => {}
         };
         self.registers.iter_mut().for_each(moved);
-        let stack_words = std::mem::take(&mut self.stack_words);
-        self.stack_words = stack_words
-            .into_iter()
-            .map(|(offset, mut value)| {
-                moved(&mut value);
-                (offset.wrapping_sub(by), value)
-            })
-            .collect();
-        let saved_pointers = std::mem::take(&mut self.saved_pointers).into_iter();
-        self.saved_pointers = saved_pointers
-            .map(|(word, pointer)| (word.wrapping_sub(by), pointer.wrapping_sub(by)))
-            .collect();
+        self.stack_words.values_mut().for_each(moved);
+        self.stack_words.rebase(by);
+        let pointers = self.saved_pointers.values_mut();
+        pointers.for_each(|pointer| *pointer = pointer.wrapping_sub(by));
+        self.saved_pointers.rebase(by);
         if let Some(comparison) = &mut self.comparison {
             moved(&mut comparison.left.1);
             moved(&mut comparison.right.1);
@@ -234,7 +219,7 @@ impl State {
     /// The thread gave up the processor with its stack pointer at `pointer` and has it again.
     /// Where it goes on.
     pub fn resume(&mut self, pointer: i32) -> Option<u32> {
-        let place = self.stack_words.get(&pointer)?.constant()?;
+        let place = self.stack_words.get(pointer)?.constant()?;
         for number in (0..13).chain([14]) {
             self.set(number, Value::Top);
         }
@@ -355,19 +340,12 @@ impl State {
             joined(&self.registers[n], &other.registers[n])
         }));
         registers[13] = pointer_of_frame(std::mem::replace(&mut registers[13], Value::Top));
-        let mut stack_words = BTreeMap::new();
-        for (offset, value) in &self.stack_words {
-            if let Some(theirs) = other.stack_words.get(offset) {
-                let value = joined(value, theirs);
-                if value != Value::Top {
-                    stack_words.insert(*offset, value);
-                }
-            }
-        }
-        let left_alone = |stack_words: &BTreeMap<i32, Value>, others: &BTreeMap<i32, Value>| {
-            stack_words
-                .iter()
-                .any(|(offset, v)| v.in_stack() && !others.contains_key(offset))
+        let stack_words = self.stack_words.common(&other.stack_words, |mine, theirs| {
+            Some(joined(mine, theirs)).filter(|value| *value != Value::Top)
+        });
+        let left_alone = |stack_words: &Words<Value>, others: &Words<Value>| {
+            let mut words = stack_words.iter();
+            words.any(|(offset, value)| value.in_stack() && others.get(offset).is_none())
         };
         escaped |= left_alone(&self.stack_words, &other.stack_words)
             || left_alone(&other.stack_words, &self.stack_words);
@@ -398,7 +376,11 @@ impl State {
                 .lowest_pointer
                 .zip(other.lowest_pointer)
                 .map(|(a, b)| a.min(b)),
-            saved_pointers: common(&self.saved_pointers, &other.saved_pointers),
+            saved_pointers: self
+                .saved_pointers
+                .common(&other.saved_pointers, |mine, theirs| {
+                    (mine == theirs).then_some(*mine)
+                }),
             memory: self
                 .memory
                 .as_ref()
@@ -411,8 +393,8 @@ impl State {
     /// After a call of a function that does not preserve the registers in `changed`.
     pub fn havoc_call(&mut self, changed: u16) {
         if let Value::Stack(pointer) = self.registers[13] {
-            self.stack_words.retain(|offset, _| *offset >= pointer);
-            self.saved_pointers.retain(|offset, _| *offset >= pointer);
+            self.stack_words.retain(|offset, _| offset >= pointer);
+            self.saved_pointers.retain(|offset, _| offset >= pointer);
         }
         let passed = self.registers[..4].iter().any(Value::in_stack);
         self.set(14, Value::Top);
@@ -442,11 +424,13 @@ impl State {
     /// A store somewhere between two offsets: what was there may stay.
     pub fn invalidate_between(&mut self, low: i32, high: i32) {
         let (first, last) = (low & !3, high & !3);
-        let lost = self.stack_words.range(first..=last);
         let of_stack = |value: &Value| value.in_stack() || matches!(value, Value::MinusStack(_));
-        self.escaped |= lost.into_iter().any(|(_, value)| of_stack(value));
-        self.stack_words
-            .retain(|offset, _| *offset < first || *offset > last);
+        let (escaped, words) = (&mut self.escaped, &mut self.stack_words);
+        words.retain(|offset, value| {
+            let lost = (first..=last).contains(&offset);
+            *escaped |= lost && of_stack(value);
+            !lost
+        });
     }
 
     /// A store somewhere in the frame: every number in it is unknown. Saved registers and return

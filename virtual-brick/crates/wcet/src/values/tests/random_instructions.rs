@@ -244,8 +244,8 @@ impl Pair {
                 return Some(format!("r{number} {:#x}, {value:x?}", cpu.register(number)));
             }
         }
-        for (offset, value) in &state.stack_words {
-            let index = (STACK.wrapping_add(*offset as u32)).wrapping_sub(DATA) / 4;
+        for (offset, value) in state.stack_words.iter() {
+            let index = (STACK.wrapping_add(offset as u32)).wrapping_sub(DATA) / 4;
             let held = self.memory.words.get(index as usize);
             if held.is_some_and(|word| !allows(value, *word, &mut bases)) {
                 return Some(format!("stack {offset}: {held:x?}, {value:x?}"));
