@@ -4,13 +4,15 @@
 //!
 //! It begins with the first request, serves one after the other and stays until the process ends.
 //! A panic of the compiler continues where the result is taken. After a fork the child has no such
-//! thread: its engines do not touch what they have of the parent's, and the first new one begins
-//! another.
+//! thread: its engines leave alone what they share with the parent's, and the first request of the
+//! child begins another.
 
 use std::panic::{catch_unwind, resume_unwind, AssertUnwindSafe};
-use std::sync::mpsc::{channel, Receiver, Sender};
+use std::sync::mpsc::{channel, Receiver, SendError, Sender};
 use std::sync::{Arc, Mutex, TryLockError};
 use std::{mem, process, thread};
+
+use arm7tdmi::CompileAnswer;
 
 use crate::code_memory::host_isa;
 use crate::compiler::{CompileRequest, CompiledRegion, Compiler, Generation};
@@ -44,12 +46,13 @@ impl CompileThread {
         let (requests, queue) = channel::<Request>();
         let thread = thread::Builder::new().name("JIT compiler".to_owned());
         let serve = move || {
-            let mut compile = compiler();
+            let mut made = None;
             for asked in queue {
-                let serve = AssertUnwindSafe(|| compile(&asked.request, &asked.wanted));
-                let result = catch_unwind(serve);
+                let result = catch_unwind(AssertUnwindSafe(|| {
+                    made.get_or_insert_with(&compiler)(&asked.request, &asked.wanted)
+                }));
                 if result.is_err() {
-                    compile = compiler();
+                    made = None;
                 }
                 // The engine may be gone.
                 let _ = asked.results.send(result);
@@ -64,13 +67,13 @@ impl CompileThread {
         self.process == process::id()
     }
 
-    /// That of the process.
-    fn of_process() -> Found {
+    /// That of the process; none where the host gives none. [`CompileAnswer::Busy`] while another
+    /// engine begins it, and for ever in the child of a fork at such an instant.
+    fn of_process() -> Result<Option<Self>, CompileAnswer> {
         let mut thread = match THREAD.try_lock() {
             Ok(thread) => thread,
             Err(TryLockError::Poisoned(thread)) => thread.into_inner(),
-            // Another engine starts it. In the child of a fork that may hold for ever.
-            Err(TryLockError::WouldBlock) => return Found::Later,
+            Err(TryLockError::WouldBlock) => return Err(CompileAnswer::Busy),
         };
         if let Some(other) = thread.take_if(|thread| !thread.is_of_this_process()) {
             mem::forget(other);
@@ -83,25 +86,8 @@ impl CompileThread {
                 })
             });
         }
-        thread.clone().map_or(Found::None, Found::Thread)
+        Ok(thread.clone())
     }
-}
-
-enum Found {
-    Thread(CompileThread),
-    /// None now.
-    Later,
-    /// The host gives none.
-    None,
-}
-
-/// What became of a request.
-pub(crate) enum Submitted {
-    Queued,
-    /// Too many requests of this engine wait.
-    Busy,
-    /// The host gives no thread; the request.
-    NoThread(CompileRequest),
 }
 
 /// An engine's requests to the compile thread, and their results.
@@ -149,25 +135,28 @@ impl CompileQueue {
         }
     }
 
-    pub fn submit(&mut self, request: CompileRequest) -> Submitted {
+    /// The request comes back where there is no thread.
+    pub fn submit(&mut self, request: CompileRequest) -> Result<CompileAnswer, CompileRequest> {
         let link = match &mut self.link {
             Some(link) => link,
             link => match CompileThread::of_process() {
-                Found::Thread(thread) => link.insert(Link::to(thread)),
-                Found::Later => return Submitted::Busy,
-                Found::None => return Submitted::NoThread(request),
+                Ok(Some(thread)) => link.insert(Link::to(thread)),
+                Ok(None) => return Err(request),
+                Err(answer) => return Ok(answer),
             },
         };
         if link.waiting == QUEUE_MAX || !link.thread.is_of_this_process() {
-            return Submitted::Busy;
+            return Ok(CompileAnswer::Busy);
         }
         let asked = Request {
             request,
             wanted: Arc::clone(&self.wanted),
             results: link.sender.clone(),
         };
-        link.waiting += usize::from(link.thread.requests.send(asked).is_ok());
-        Submitted::Queued
+        let sent = link.thread.requests.send(asked);
+        sent.map_err(|SendError(asked)| asked.request)?;
+        link.waiting += 1;
+        Ok(CompileAnswer::Queued)
     }
 
     /// The next result, if there is one by now. With `wait`, the call waits for it; none then
@@ -190,6 +179,7 @@ impl CompileQueue {
 impl Drop for CompileQueue {
     fn drop(&mut self) {
         self.leave_lost();
+        // Requests that wait are skipped.
         self.wanted.advance();
     }
 }
@@ -264,7 +254,7 @@ mod tests {
             let queue = &mut queues[number as usize % 2];
             assert!(matches!(
                 queue.submit(request(0, number)),
-                Submitted::Queued
+                Ok(CompileAnswer::Queued)
             ));
         }
         for number in 0..QUEUE_MAX as u32 {
@@ -278,22 +268,40 @@ mod tests {
         let (thread, go, starts) = gated();
         let (mut one, mut other) = (queue_of(&thread), queue_of(&thread));
         for number in 0..QUEUE_MAX as u32 {
-            assert!(matches!(one.submit(request(0, number)), Submitted::Queued));
+            assert!(matches!(
+                one.submit(request(0, number)),
+                Ok(CompileAnswer::Queued)
+            ));
         }
-        assert!(matches!(one.submit(request(0, 99)), Submitted::Busy));
-        assert!(matches!(other.submit(request(0, 0)), Submitted::Queued));
+        assert!(matches!(
+            one.submit(request(0, 99)),
+            Ok(CompileAnswer::Busy)
+        ));
+        assert!(matches!(
+            other.submit(request(0, 0)),
+            Ok(CompileAnswer::Queued)
+        ));
         assert_eq!(starts.recv(), Ok(0));
         drop(go);
         assert_eq!(number_of_next(&mut one), 0);
-        assert!(matches!(one.submit(request(0, 99)), Submitted::Queued));
+        assert!(matches!(
+            one.submit(request(0, 99)),
+            Ok(CompileAnswer::Queued)
+        ));
     }
 
     #[test]
     fn requests_of_an_engine_that_is_gone_do_not_end_the_thread() {
         let (thread, go, starts) = gated();
         let (mut one, mut other) = (queue_of(&thread), queue_of(&thread));
-        assert!(matches!(one.submit(request(0, 1)), Submitted::Queued));
-        assert!(matches!(other.submit(request(0, 2)), Submitted::Queued));
+        assert!(matches!(
+            one.submit(request(0, 1)),
+            Ok(CompileAnswer::Queued)
+        ));
+        assert!(matches!(
+            other.submit(request(0, 2)),
+            Ok(CompileAnswer::Queued)
+        ));
         assert_eq!(starts.recv(), Ok(1));
         drop((one, go));
         assert_eq!(number_of_next(&mut other), 2);
@@ -311,8 +319,14 @@ mod tests {
             }
         });
         let mut queue = queue_of(&thread.unwrap());
-        assert!(matches!(queue.submit(request(0, 0)), Submitted::Queued));
-        assert!(matches!(queue.submit(request(0, 1)), Submitted::Queued));
+        assert!(matches!(
+            queue.submit(request(0, 0)),
+            Ok(CompileAnswer::Queued)
+        ));
+        assert!(matches!(
+            queue.submit(request(0, 1)),
+            Ok(CompileAnswer::Queued)
+        ));
         let cause = panic::catch_unwind(AssertUnwindSafe(|| number_of_next(&mut queue)));
         assert_eq!(cause.unwrap_err().downcast_ref(), Some(&"no code for this"));
         assert_eq!(number_of_next(&mut queue), 1);
@@ -323,12 +337,18 @@ mod tests {
     fn the_thread_of_another_process_is_left_alone() {
         let (mut thread, _go, starts) = gated();
         let mut queue = queue_of(&thread);
-        assert!(matches!(queue.submit(request(0, 0)), Submitted::Queued));
+        assert!(matches!(
+            queue.submit(request(0, 0)),
+            Ok(CompileAnswer::Queued)
+        ));
         assert_eq!(starts.recv(), Ok(0));
         thread.process = thread.process.wrapping_add(1);
         queue.link.as_mut().unwrap().thread.process = thread.process;
         assert!(queue.is_lost());
-        assert!(matches!(queue.submit(request(0, 1)), Submitted::Busy));
+        assert!(matches!(
+            queue.submit(request(0, 1)),
+            Ok(CompileAnswer::Busy)
+        ));
         assert!(queue.result(true).is_none());
         queue.leave_lost();
         assert!(!queue.is_lost() && queue.result(true).is_none());

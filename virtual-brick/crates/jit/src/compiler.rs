@@ -137,8 +137,10 @@ impl Compiler {
         let Some(first) = wanted.exits_of(request.generation) else {
             return compiled;
         };
-        let exits = Vec::new();
-        let mut exits = Exits { first, exits };
+        let mut exits = Exits {
+            first,
+            exits: Vec::new(),
+        };
         self.context.clear();
         self.context.func.signature = region_signature();
         let builder = FunctionBuilder::new(&mut self.context.func, &mut self.builder);
@@ -161,5 +163,74 @@ impl Compiler {
             bytes: compiled.code_buffer().to_vec(),
             alignment,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use arm7tdmi::{CodeWindow, KnownTarget, RegionBlock};
+
+    use super::*;
+
+    /// A region of one block, from which control goes on.
+    fn request(generation: u32) -> CompileRequest {
+        let target = |key| KnownTarget {
+            key,
+            halfword: key / 2,
+            refill_cycles: 2,
+        };
+        CompileRequest {
+            generation,
+            region: Region {
+                number: 0,
+                blocks: vec![RegionBlock {
+                    number: 0,
+                    key: 0,
+                    halfword: 0,
+                    refill_cycles: 2,
+                    worst_cycles: 1,
+                    instructions: Vec::new(),
+                    next: Some(target(4)),
+                }],
+                window: CodeWindow {
+                    first_halfword: 0,
+                    mask: 0xF,
+                    sequence_differs: false,
+                },
+                ram_cycles: 1,
+            },
+            layout: Layout {
+                ram_address: 0x20_0000,
+                ram_words: 4,
+                table_address: 16,
+            },
+        }
+    }
+
+    #[test]
+    fn exits_are_numbered_behind_those_of_the_regions_before() {
+        let (mut compiler, wanted) = (Compiler::new(host_isa().unwrap()), Generation::default());
+        let exits = |compiled: CompiledRegion| compiled.exits.len() as u32;
+        let first = exits(compiler.compile(&request(0), &wanted));
+        assert!(first != 0 && wanted.exits_of(0) == Some(first));
+        let second = exits(compiler.compile(&request(0), &wanted));
+        assert_eq!(wanted.exits_of(0), Some(first + second));
+        wanted.advance();
+        assert_eq!((wanted.exits_of(0), wanted.exits_of(1)), (None, Some(0)));
+    }
+
+    #[test]
+    fn a_region_of_another_generation_has_no_code() {
+        let (mut compiler, wanted) = (Compiler::new(host_isa().unwrap()), Generation::default());
+        wanted.advance();
+        let compiled = compiler.compile(&request(0), &wanted);
+        assert!(compiled.code.is_none() && compiled.exits.is_empty());
+        assert!(compiler.compile(&request(1), &wanted).code.is_some());
+        // The engine wants another one while a region is compiled.
+        let before = wanted.exits_of(1).unwrap();
+        wanted.advance();
+        assert!(!wanted.add_exits(1, before, 3));
+        assert_eq!(wanted.exits_of(2), Some(0));
     }
 }

@@ -11,7 +11,7 @@ use arm7tdmi::{
 };
 
 use crate::code_memory::{host_isa, CodeMemory, ARENA_BYTES};
-use crate::compile_thread::{CompileQueue, Submitted};
+use crate::compile_thread::CompileQueue;
 use crate::compiler::{entry_function, CompileRequest, CompiledRegion, Compiler, Generation};
 use crate::entry_table::{empty_table, entry, no_entry, AfterStore, Entry, Exit};
 use crate::region::Layout;
@@ -95,14 +95,11 @@ impl JitEngine {
     fn submit(&mut self, mut request: CompileRequest) -> CompileAnswer {
         self.collect(false);
         if self.mode == CompileMode::Background {
-            match self.queue.submit(request) {
-                Submitted::Queued => return CompileAnswer::Queued,
-                Submitted::Busy => return CompileAnswer::Busy,
-                Submitted::NoThread(back) => {
-                    request = back;
-                    self.mode = CompileMode::Synchronous;
-                }
-            }
+            request = match self.queue.submit(request) {
+                Ok(answer) => return answer,
+                Err(request) => request,
+            };
+            self.mode = CompileMode::Synchronous;
         }
         let isa = self.memory.isa();
         let compiler = self
