@@ -3,18 +3,25 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
 import pytest
+from elftools.elf.elffile import ELFFile
+from elftools.elf.sections import SymbolTableSection
 from verification.support.elf_files import make_elf
+from verification.support.projects import VEHICLE
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import ElfImage, read_image
 from ravenbrick.image.memory import memory_report
 from ravenbrick.project.robot import Robot
+from ravenbrick.project.workspace import Workspace
 from ravenbrick.trace.recording import Thread
 from ravenbrick.trace.stacks import with_stacks
+
+VEHICLE_ELF = Workspace.of(VEHICLE).image("ram", "vehicle")
 
 
 def _written(folder: Path, content: bytes) -> Path:
@@ -33,6 +40,61 @@ def test_sections_and_symbols_of_an_image_are_read(tmp_path: Path) -> None:
     assert [image.size_of(kind) for kind in ("text", "data", "bss")] == [100, 20, 300]
     assert image.symbols["vehicle_setpoint_right"].address == 0x202000 + 120 + 4
     assert (image.kind, image.entry) == ("ram", 0x202000)
+
+
+def _altered(content: bytes) -> bytes:
+    """Another load address, a segment with bytes that is not loaded, an undefined symbol."""
+    elf, changed = ELFFile(io.BytesIO(content)), bytearray(content)
+    empty, loaded, stack = (elf["e_phoff"] + elf["e_phentsize"] * n for n in range(3))
+    assert changed[empty + 16 : empty + 20] == bytes(4)
+    changed[loaded + 13] += 0x10
+    changed[stack + 16] = 16
+    symbols = elf.get_section_by_name(".symtab")
+    assert isinstance(symbols, SymbolTableSection)
+    defined = next(
+        n for n, s in enumerate(symbols.iter_symbols()) if s["st_info"].type == "STT_FUNC"
+    )
+    section = symbols["sh_offset"] + symbols["sh_entsize"] * defined + 14
+    changed[section : section + 2] = bytes(2)
+    return bytes(changed)
+
+
+@pytest.mark.skipif(not VEHICLE_ELF.is_file(), reason="the vehicle is not built")
+@pytest.mark.parametrize("altered", [False, True])
+def test_an_image_is_read_as_pyelftools_reads_it(tmp_path: Path, altered: bool) -> None:
+    """A library that we did not write."""
+    content = VEHICLE_ELF.read_bytes()
+    image = read_image(_written(tmp_path, _altered(content) if altered else content))
+    assert (image.content == content) != altered
+    elf = ELFFile(io.BytesIO(image.content))
+    found = [section for section in elf.iter_sections() if section["sh_flags"] & 2]
+    expected = [(s.name, s["sh_addr"], s["sh_size"]) for s in found if s["sh_size"]]
+    assert [(s.name, s.address, s.size) for s in image.sections] == sorted(
+        expected, key=lambda section: section[1]
+    )
+    symbols = {
+        symbol.name: (symbol["st_value"], symbol["st_size"])
+        for table in elf.iter_sections()
+        if isinstance(table, SymbolTableSection)
+        for symbol in table.iter_symbols()
+        if symbol.name and symbol["st_shndx"] != "SHN_UNDEF"
+    }
+    assert {name: (s.address, s.size) for name, s in image.symbols.items()} == symbols
+    segments = [s for s in elf.iter_segments("PT_LOAD") if s["p_filesz"]]
+    assert image.loaded_parts() == [(s["p_paddr"], s.data()) for s in segments]
+    for segment in segments:
+        last = segment["p_vaddr"] + segment["p_filesz"] - 2
+        assert image.bytes_at(segment["p_vaddr"] + 4, 8) == segment.data()[4:12]
+        assert image.bytes_at(last, 8) == segment.data()[-2:]
+
+
+@pytest.mark.parametrize("place", [42, 46])
+def test_tables_with_entries_of_another_size_are_damaged(tmp_path: Path, place: int) -> None:
+    """The two sizes of the file's header."""
+    whole = bytearray(make_elf())
+    whole[place : place + 2] = (8).to_bytes(2, "little")
+    with pytest.raises(ImageFileError, match="is damaged"):
+        read_image(_written(tmp_path, bytes(whole)))
 
 
 def test_a_flash_image_is_recognised(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from ravenbrick.errors import ImageFileError, shown_path
 from ravenbrick.project.workspace import BuildKind
@@ -29,7 +29,7 @@ ImageKind = Literal["ram", "flash"]
 DEBUGGING_BUILD = "debugging build: its times are not those of the release image"
 _DEBUG_MARK = "ravenbrick_debugging_build"  # tools/application.gpr
 _BUILD = "build it with 'ravenbrick build'"
-# Of the ELF specification, 32 bits; pyelftools takes ten times as long, and to load besides.
+# Of the ELF specification, 32 bits. pyelftools is slow to load, and to read many entries.
 _HEADER = struct.Struct("<16xHHIIIIIHHHHHH")
 _PROGRAM_HEADER = struct.Struct("<6I8x")
 _SECTION_HEADER = struct.Struct("<7I12x")
@@ -111,9 +111,14 @@ class ElfImage:
         for segment in _segments(self.content):
             offset = address - segment.address
             if 0 <= offset < segment.file_bytes:
-                size = min(size, segment.file_bytes - offset)
-                return self.content[segment.offset + offset :][:size]
+                return _loaded_bytes(self.content, segment)[offset : offset + size]
         return b""
+
+    def loaded_parts(self) -> list[tuple[int, bytes]]:
+        """Load addresses and bytes of what is not empty."""
+        segments = _segments(self.content)
+        parts = ((found.load_address, _loaded_bytes(self.content, found)) for found in segments)
+        return [part for part in parts if part[1]]
 
     def task_objects(self) -> dict[str, Symbol]:
         """Task name -> its object (control block and stack), for each single Ada task.
@@ -139,17 +144,36 @@ def _check_header(path: Path, content: bytes) -> None:
         raise _refuse(path, f"is truncated: {len(content)} bytes, the header alone has 52")
     if content[4:6] != b"\x01\x01":
         raise _refuse(path, "is not a 32-bit little-endian ELF file, as the brick needs")
-    (kind, machine, _version, _entry, programs, sections, _flags, _size) = (
-        fields := _HEADER.unpack_from(content)
-    )[:8]
-    program_size, program_count, section_size, section_count, _names = fields[8:]
-    if machine != 40:
-        raise _refuse(path, f"is for machine {machine}, not for ARM (40)")
-    if kind != 2:
+    header = _header(content)
+    if header.machine != 40:
+        raise _refuse(path, f"is for machine {header.machine}, not for ARM (40)")
+    if header.kind != 2:
         raise _refuse(path, "is not an executable image; link it first")
-    needed = max(programs + program_size * program_count, sections + section_size * section_count)
+    tables = (
+        (header.programs, header.program_size, header.program_count, _PROGRAM_HEADER),
+        (header.sections, header.section_size, header.section_count, _SECTION_HEADER),
+    )
+    needed = max(begin + size * count for begin, size, count, _ in tables)
     if needed > len(content):
         raise _refuse(path, f"is truncated: {len(content)} of at least {needed} bytes")
+    if any(count and size != layout.size for _, size, count, layout in tables):
+        raise _refuse(path, "is damaged (the size of an entry in its tables)")
+
+
+class _Header(NamedTuple):
+    kind: int
+    machine: int
+    version: int
+    entry: int
+    programs: int
+    sections: int
+    flags: int
+    size: int
+    program_size: int
+    program_count: int
+    section_size: int
+    section_count: int
+    names: int
 
 
 class _Segment(NamedTuple):
@@ -171,20 +195,24 @@ class _SectionHeader(NamedTuple):
     link: int
 
 
-def _segments(content: bytes) -> Iterator[_Segment]:
+def _header(content: bytes) -> _Header:
+    return _Header(*_HEADER.unpack_from(content))
+
+
+def _rows(layout: struct.Struct, content: bytes, begin: int, count: int) -> Iterator[Any]:
+    return layout.iter_unpack(content[begin : begin + count * layout.size])
+
+
+def _segments(content: bytes) -> list[_Segment]:
     """What is loaded, of a file whose header was checked."""
-    fields = _HEADER.unpack_from(content)
-    begin, size, count = fields[4], fields[8], fields[9]
-    table = content[begin : begin + size * count] if size == _PROGRAM_HEADER.size else b"?"
-    found = (_Segment(*row) for row in _PROGRAM_HEADER.iter_unpack(table))
-    return (segment for segment in found if segment.kind == _LOADED)
+    header = _header(content)
+    rows = _rows(_PROGRAM_HEADER, content, header.programs, header.program_count)
+    found = (_Segment(*row) for row in rows)
+    return [segment for segment in found if segment.kind == _LOADED]
 
 
-def _headers_of_sections(content: bytes) -> list[_SectionHeader]:
-    fields = _HEADER.unpack_from(content)
-    begin, size, count = fields[5], fields[10], fields[11]
-    table = content[begin : begin + size * count] if size == _SECTION_HEADER.size else b"?"
-    return [_SectionHeader(*row) for row in _SECTION_HEADER.iter_unpack(table)]
+def _loaded_bytes(content: bytes, segment: _Segment) -> bytes:
+    return content[segment.offset : segment.offset + segment.file_bytes]
 
 
 def _check_segments(path: Path, content: bytes) -> None:
@@ -214,8 +242,12 @@ def _check_place(path: Path, address: int, size: int) -> None:
         raise _refuse(path, f"has a segment at 0x{address:08X}, where the brick has no memory")
 
 
-def _sections(content: bytes, headers: list[_SectionHeader]) -> tuple[Section, ...]:
-    names = _content_of(content, headers[_HEADER.unpack_from(content)[12]]) if headers else b""
+def _section_headers(content: bytes, header: _Header) -> list[_SectionHeader]:
+    rows = _rows(_SECTION_HEADER, content, header.sections, header.section_count)
+    return [_SectionHeader(*row) for row in rows]
+
+
+def _sections(headers: list[_SectionHeader], names: bytes) -> tuple[Section, ...]:
     found = []
     for section in headers:
         if not section.flags & 2 or section.size == 0:
@@ -283,12 +315,13 @@ def read_image(path: Path) -> ElfImage:
     """Read and check an image; raises `ImageFileError` with what is wrong and what to do."""
     content = _content(path)
     _check_header(path, content)
+    header = _header(content)
+    _check_segments(path, content)
     try:
-        _check_segments(path, content)
-        headers = _headers_of_sections(content)
-        sections, symbols = _sections(content, headers), _symbols(content, headers)
+        headers = _section_headers(content, header)
+        names = _content_of(content, headers[header.names]) if headers else b""
+        sections, symbols = _sections(headers, names), _symbols(content, headers)
     except (IndexError, struct.error) as error:
         raise _refuse(path, f"is damaged ({type(error).__name__})") from None
-    entry = _HEADER.unpack_from(content)[3]
-    kind: ImageKind = "flash" if FLASH.begin <= entry < FLASH.end else "ram"
-    return ElfImage(path, content, kind, entry, sections, symbols)
+    kind: ImageKind = "flash" if FLASH.begin <= header.entry < FLASH.end else "ram"
+    return ElfImage(path, content, kind, header.entry, sections, symbols)

@@ -4,11 +4,8 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from pathlib import Path
-
-from elftools.elf.elffile import ELFFile
 
 from ravenbrick.errors import ImageFileError
 from ravenbrick.image.elf import FLASH, REGIONS, ElfImage
@@ -33,11 +30,7 @@ def flat_image(image: ElfImage) -> FlatImage:
     Raises `ImageFileError` when a part lies outside the region that a loader may write.
     """
     region = REGIONS[image.kind]
-    parts = [
-        (segment["p_paddr"], segment.data())
-        for segment in ELFFile(io.BytesIO(image.content)).iter_segments("PT_LOAD")
-        if segment["p_filesz"]
-    ]
+    parts = image.loaded_parts()
     end = region.begin
     for address, data in parts:
         if not region.begin <= address <= address + len(data) <= region.end:
