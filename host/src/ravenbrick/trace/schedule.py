@@ -35,6 +35,7 @@ __all__ = [
     "cyclic_begin_cycles",
     "jobs_of",
     "measure_tasks",
+    "releases_of",
     "segments",
     "stretches",
     "task_plan",
@@ -127,6 +128,11 @@ def by_priority(recording: Recording) -> list[int]:
 def jobs_of(recording: Recording, thread: int) -> list[Job]:
     """Jobs of one thread."""
     return all_jobs(recording)[thread]
+
+
+def releases_of(recording: Recording, thread: int) -> Integers:
+    """Nominal releases of one thread's jobs, in cycles."""
+    return np.array([job.release_cycles for job in jobs_of(recording, thread)], np.int64)
 
 
 def task_plan(tasks: Iterable[Task]) -> list[dict[str, Any]]:

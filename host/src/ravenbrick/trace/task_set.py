@@ -7,12 +7,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ravenbrick.errors import ProjectFileError
 from ravenbrick.project.robot import Robot, Task
 from ravenbrick.trace.recording import Recording
-from ravenbrick.trace.schedule import jobs_of
+from ravenbrick.trace.schedule import releases_of
 
 __all__ = ["check_names", "check_release", "check_shortest_interval", "check_task_set"]
 
@@ -21,13 +20,9 @@ PERIOD_TOLERANCE_US = 1.0
 LEAST_INTERVALS = 3
 
 
-def _releases(recording: Recording, thread: int) -> NDArray[np.int64]:
-    return np.array([job.release_cycles for job in jobs_of(recording, thread)], np.int64)
-
-
 def _observed_period_us(recording: Recording, thread: int) -> float | None:
     """In the run's last quarter if it has enough releases: a task may begin by setting up."""
-    releases = _releases(recording, thread)[1:]
+    releases = releases_of(recording, thread)[1:]
     late = releases[4 * releases >= 3 * recording.stop.at_cycles]
     if late.size >= 3:
         releases = late
@@ -81,7 +76,7 @@ def check_shortest_interval(
     index = [task.name for task in robot.tasks].index(name)
     thread = recording.thread_index(name)
     period_us = robot.tasks[index].period_us
-    releases = _releases(recording, thread)
+    releases = releases_of(recording, thread)
     releases = releases[releases == np.maximum.accumulate(releases)]
     apart = 1 + waits
     intervals_us = 1e6 * (releases[apart:] - releases[:-apart]) / float(recording.clock.hertz)

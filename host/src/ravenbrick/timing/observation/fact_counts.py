@@ -31,7 +31,7 @@ from ravenbrick.timing.observation.job_facts import (
 from ravenbrick.trace.flow_counts import NO_THREAD, FlowCount
 from ravenbrick.trace.interrupts import source_name
 from ravenbrick.trace.recording import EventKind, Recording
-from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of
+from ravenbrick.trace.schedule import Job, cyclic_begin_cycles, jobs_of, releases_of
 
 __all__ = ["check_facts_of_run", "fact_counts", "latest", "left_modes", "most_in_window"]
 
@@ -195,7 +195,7 @@ def _turn_count(
     assert stated is not None and task is not None
     thread = run.recording.thread_index(name)
     at = count.arrivals["at_cycles"][count.arrivals["thread"] == thread].astype(np.int64)
-    release = np.array([job.release_cycles for job in jobs_of(run.recording, thread)], np.int64)
+    release = releases_of(run.recording, thread)
     latest = release[np.searchsorted(release, at, side="right") - 1]
     period = float(MASTER_CLOCK.hertz * (task.period_us or 0) / 1_000_000)
     number = np.round((latest - common) / period).astype(np.int64)

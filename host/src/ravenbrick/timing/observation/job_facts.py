@@ -19,7 +19,7 @@ from ravenbrick.schedule.beginning import Request
 from ravenbrick.timing.facts.facts import SOURCE_NUMBERS, Facts
 from ravenbrick.timing.observation.net_execution_time import interruption_cycles, stolen_cycles
 from ravenbrick.trace.recording import ENVIRONMENT, EventKind, Recording
-from ravenbrick.trace.schedule import all_jobs, jobs_of, stretches
+from ravenbrick.trace.schedule import all_jobs, jobs_of, releases_of, stretches
 
 __all__ = [
     "TOLERANCE_CYCLES",
@@ -67,8 +67,7 @@ def have_deadline(
 
 def _releases(recording: Recording, task: str) -> Cycles:
     """Nominal releases of a cyclic task, without the one of its start."""
-    jobs = jobs_of(recording, recording.thread_index(task))
-    return np.array([job.release_cycles for job in jobs[1:]], np.int64)
+    return releases_of(recording, recording.thread_index(task))[1:]
 
 
 def common_release(facts: Facts, recording: Recording) -> int:
