@@ -19,7 +19,7 @@ DEBIAN_PACKAGES=(
 )
 # Only tests need these.
 DEVELOP_PACKAGES=(
-    chromium
+    chromium-headless-shell
     gappa
     git
     gtkwave

@@ -22,7 +22,8 @@ export const ROOT = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
 export const PICTURES = join(ROOT, "out", "page");
 export const COMMAND = join(ROOT, ".venv", "bin", "ravenbrick");
 export const VEHICLE = "examples/vehicle";
-const BROWSERS = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+// The first has no windows to draw, and takes a third less of a processor.
+const BROWSERS = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
 export const TIMEOUT_MS = 300_000;
 
 /** The JSON answer of a command; a verdict of the pass criteria is no failure. */
@@ -81,8 +82,10 @@ export async function startedIn(
 }
 
 async function launch(): Promise<Browser> {
-  const executablePath = [process.env["RAVENBRICK_CHROMIUM"] ?? "", ...BROWSERS].find(existsSync);
-  if (!executablePath) throw new Error("no Chromium; install the Debian package chromium");
+  const places = BROWSERS.map((name) => join("/usr/bin", name));
+  const executablePath = [process.env["RAVENBRICK_CHROMIUM"] ?? "", ...places].find(existsSync);
+  if (!executablePath)
+    throw new Error("no Chromium; install the Debian package chromium-headless-shell");
   mkdirSync(PICTURES, { recursive: true });
   return chromium.launch({ executablePath, args: ["--no-sandbox", "--mute-audio"] });
 }

@@ -7,9 +7,10 @@ import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 
 const [address, seconds, key] = process.argv.slice(2);
-const paths = [process.env.RAVENBRICK_CHROMIUM ?? "", "/usr/bin/chromium"];
+const paths = [process.env.RAVENBRICK_CHROMIUM ?? "", "/usr/bin/chromium-headless-shell"];
 const executablePath = paths.find((path) => existsSync(path));
-if (!executablePath) throw new Error("no Chromium; install the Debian package chromium");
+if (!executablePath)
+  throw new Error("no Chromium; install the Debian package chromium-headless-shell");
 
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--mute-audio"] });
 const page = await browser.newPage();

@@ -4,8 +4,8 @@
 
 Runs the motor bench, or examples/paper, with its Bluetooth on a port, `ravenbrick monitor --page`
 on it, and headless Chromium on the page; drags the slider of the set-point; writes the picture as
-PNG. Prints the parameters that the program then has. Needs Debian's chromium and the example's
-image.
+PNG. Prints the parameters that the program then has. Needs Debian's chromium-headless-shell and the
+example's image.
 """
 
 from __future__ import annotations
@@ -131,12 +131,12 @@ class Programs(ExitStack):
 
     def start_chromium(self) -> int:
         """The port of the developer tools of a headless browser with an empty page."""
-        chromium = shutil.which("chromium")
+        chromium = shutil.which("chromium-headless-shell")
         if chromium is None:
-            raise SystemExit("chromium is not installed: apt install chromium")
+            raise SystemExit("apt install chromium-headless-shell")
         profile = self.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
         debugger = free_port()
-        options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+        options = ["--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
         places = [f"--user-data-dir={profile}", f"--remote-debugging-port={debugger}"]
         self.start([chromium, *options, *places, "about:blank"])
         return debugger

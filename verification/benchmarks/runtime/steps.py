@@ -84,13 +84,14 @@ def steps_in(elf: Path, windows: Sequence[tuple[int, int]]) -> list[Steps]:
     Raises:
         subprocess.CalledProcessError: The recorder could not be built or failed.
     """
-    command = ["cargo", "run", "--locked", "--quiet", "--release", "-p", "virtual-brick"]
-    # Without JIT code, whose compiler would take longer to build than the steps to record.
-    command += ["--no-default-features", "--example", "steps", "--", json.dumps(BENCH), str(elf)]
-    command += [str(cycle) for window in windows for cycle in window]
-    done = subprocess.run(
-        command, cwd=ROOT / "virtual-brick", stdout=subprocess.PIPE, check=True
-    ).stdout
+    crates = ROOT / "virtual-brick"
+    build = ["cargo", "build", "--locked", "--quiet", "--release", "--example", "steps"]
+    # With the features of the compiled module, whose crates then need not be compiled again.
+    build += ["--no-default-features", "-p", "virtual-brick", "-p", "virtual-brick-python"]
+    subprocess.run(build, cwd=crates, check=True)
+    command = [str(crates / "target" / "release" / "examples" / "steps"), json.dumps(BENCH)]
+    command += [str(elf), *(str(cycle) for window in windows for cycle in window)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout
     brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf.read_bytes())
     records = np.frombuffer(done, RECORD)
     begins = np.searchsorted(records["at"], [first for first, _ in windows])

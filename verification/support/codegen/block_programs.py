@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 from ravenbrick.codegen import check_program, generate_c, random_vectors
@@ -67,6 +68,7 @@ def write_checks(models: dict[str, Diagram | Program], folder: Path, steps: int)
     return [*files, "ports.c"]
 
 
+@cache
 def all_models() -> dict[str, Diagram | Program]:
     """Single, double precision and fixed point."""
     return {**DIAGRAMS, **{f"fixed_{name}": fixed_program(name) for name in FIXED}}
