@@ -198,7 +198,7 @@ cannot be replayed, more than 10 s for a file, or memory beyond its bound (512 M
 target, 1 GB in the Rust targets). The peers communicate with a brick that runs LEGO's firmware;
 after each hostile session a regular host must be served. Times are seconds of a processor, so a
 campaign may run beside other work (`chrt --idle 0`). Times and cases are those of all campaigns
-since the last finding; of a campaign that is stopped, those of the targets that ended.
+since the target's last finding; of a campaign that is stopped, those of the targets that ended.
 """
 FUZZ_TAIL = """An input with a finding is kept in `build/fuzz/findings`, and
 `python -m verification.fuzz.campaign --repeat FILE` repeats it; a Rust target prints its seed, and
@@ -234,6 +234,12 @@ FOUND = (
         "headers of generated C",
         "an array without a name, a length of 5,000 digits: a traceback",
         "a sentence, or no such variable",
+    ),
+    (
+        "headers of generated C",
+        "a structure that holds itself: a traceback; 40 levels of two each: no end (found by review"
+        " beside it)",
+        "at most 100 levels and 10,000 fields",
     ),
     (
         "malformed snapshot",

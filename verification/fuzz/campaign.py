@@ -4,8 +4,8 @@
 
 `python -m verification.fuzz.campaign [SECONDS [SEED]]` runs each target for so many seconds of a
 processor, so that it may run beside other work (`chrt --idle 0`), and adds its cases and time to
-`verification/fuzz/results.json` as it ends. Of that docs/reference/fuzzing.md is made; a campaign
-after a finding counts anew. Inputs with a finding are kept in build/fuzz/findings; `--repeat FILE`
+`verification/fuzz/results.json` as it ends. Of that docs/reference/fuzzing.md is made; a target
+with a finding counts anew in the next campaign. Inputs with a finding are kept in build/fuzz/findings; `--repeat FILE`
 runs such a file again.
 """
 
@@ -163,12 +163,10 @@ def added(row: Row, held: list[Row]) -> list[Row]:
 def campaign(seconds: int = TARGET_SECONDS, seed: int = 1, processors: int = 1) -> list[Row]:
     """Every target; the rows, each of which is written as it comes, added to those held.
 
-    What was found before was corrected since, so that earlier cases say nothing.
+    What was found before was corrected since, so that earlier cases of its target say nothing.
     """
     build_image()
-    held = tables.read_rows(RESULTS)
-    if any(row["findings"] for row in held):
-        held = []
+    held = [row for row in tables.read_rows(RESULTS) if not row["findings"]]
     groups = [*INPUTS, *range(len(targets(PROGRAM)))]
     random.Random(seed).shuffle(groups)  # a campaign may be stopped
     # A process for each group: what one leaves in memory is not another's.

@@ -184,6 +184,10 @@ def test_structures_are_found_under_either_name() -> None:
             coder_header("classic").replace("real_T Real_Voltage;", "void *Real_Voltage;"),
             "has a field that is neither a number nor an array",
         ),
+        (
+            coder_header("classic").replace("real_T Real_V", "ExternalInputs_functional Real_V"),
+            "header: ExternalInputs_functional: field 'Real_Voltage' .* a structure holds itself",
+        ),
     ],
 )
 def test_what_cannot_be_bound_is_said(text: str, message: str) -> None:

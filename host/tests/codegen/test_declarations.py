@@ -127,3 +127,36 @@ def test_a_list_that_is_none_is_refused(field: str, words: str) -> None:
 )
 def test_a_broken_list_of_variables_is_passed_over(text: str) -> None:
     assert read_declarations({"model.h": f"{text}\nextern float speed;"}).variables
+
+
+def nested(levels: int, fields: str) -> str:
+    """Structures T0, T1, ..., each with the fields of the structure before."""
+    each = [fields.replace("T", f"T{level}") for level in range(levels)]
+    chain = [f"typedef struct {{ {each[level]} }} T{level + 1};" for level in range(levels)]
+    return "\n".join(["typedef struct { } T0;", *chain])
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "words"),
+    [
+        ("typedef struct { char end; Own own; } Own;", "Own", "field 'own' of type Own"),
+        ("typedef struct { B b; } A;\ntypedef struct { A a[2]; } B;", "A", "holds itself"),
+        (nested(1_000, "T in;"), "T1000", "lie 100 deep"),
+        (nested(40, "T left; T right;"), "T40", "more than 10000; declare arrays"),
+        (nested(40, "T left[2]; T right[2];"), "T40", "more than 10000; declare arrays"),
+    ],
+    ids=["itself", "each the other", "1,000 deep", "a tree of 2 to the 40", "arrays"],
+)
+def test_structures_without_end_are_refused_soon(text: str, name: str, words: str) -> None:
+    found = read_declarations({"model.h": text})
+    structure = found.structure(name)
+    assert structure is not None
+    with pytest.raises(DesignError, match=re.escape(words)):
+        found.leaves(structure)
+
+
+def test_a_structure_may_point_to_itself() -> None:
+    found = read_declarations({"model.h": "struct Node { struct Node *next; double value; };"})
+    structure = found.structure("Node")
+    assert structure is not None
+    assert [leaf.offset_bytes for leaf in found.leaves(structure)] == [0, 8]

@@ -34,6 +34,8 @@ _TOKEN = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 _LENGTH_DIGITS = 9
+_DEPTH_MAX = 100
+_FIELDS_MAX = 10_000
 _OPENING, _CLOSING = ("(", "[", "{"), (")", "]", "}")
 _QUALIFIERS = {"const", "volatile", "static", "register", "extern", "inline", "__inline"}
 
@@ -105,6 +107,8 @@ class Declarations:
     aliases: dict[str, str] = field(default_factory=dict)
     variables: dict[str, Parameter] = field(default_factory=dict)
     functions: dict[str, tuple[Parameter, ...]] = field(default_factory=dict)
+    # By the identity of the structure.
+    _counts: dict[int, int] = field(default_factory=dict, repr=False, compare=False)
 
     def resolved(self, name: str) -> str:
         """The name behind `typedef`s."""
@@ -118,11 +122,42 @@ class Declarations:
         """The structure of that name or `typedef` name."""
         return self.structures.get(name) or self.structures.get(self.resolved(name))
 
+    def inside(self, member: Member) -> Structure | None:
+        """The structure that a field is, or whose elements or pointer it is."""
+        return member.inner or self.structure(member.type_name)
+
+    def field_count(self, structure: Structure, depth: int = 0) -> int:
+        """Number of fields, with those of all structures inside.
+
+        Raises:
+            DesignError: A structure holds itself, or there are too many to be a model's.
+        """
+        known = self._counts.get(id(structure))
+        if known is not None:
+            return known
+        count = len(structure.members)
+        for member in structure.members:
+            inner = None if member.pointer else self.inside(member)
+            if inner is not None and depth == _DEPTH_MAX:
+                raise DesignError(
+                    f"field '{member.name}' of type {member.type_name or 'struct'}: a structure "
+                    f"holds itself, or structures lie {_DEPTH_MAX} deep in each other; declare a "
+                    "pointer, or fewer levels"
+                )
+            count += self.field_count(inner, depth + 1) if inner is not None else 0
+        if count > _FIELDS_MAX:
+            raise DesignError(
+                f"a structure has {count} fields with those inside, more than {_FIELDS_MAX}; "
+                "declare arrays of numbers"
+            )
+        self._counts[id(structure)] = count
+        return count
+
     def _extent(self, member: Member) -> tuple[int, int]:
         """Size and alignment of one element in bytes."""
         if member.pointer or self.resolved(member.type_name) == _POINTER:
             return _POINTER_BYTES, _POINTER_BYTES
-        inner = member.inner or self.structure(member.type_name)
+        inner = self.inside(member)
         if inner is not None:
             return self.extent(inner)
         size = NUMBERS.get(self.resolved(member.type_name))
@@ -148,11 +183,16 @@ class Declarations:
         return found
 
     def leaves(self, structure: Structure, path: str = "", base: int = 0) -> list[Leaf]:
-        """All numbers and pointers of a structure; an array of structures has none."""
+        """All numbers and pointers of a structure; an array of structures has none.
+
+        Raises:
+            DesignError: As `field_count`, or a field has an unknown type.
+        """
+        self.field_count(structure)
         found = []
         for member, offset, _, _ in self._placed(structure):
             own, at = f"{path}{member.name}", base + offset
-            inner = member.inner or self.structure(member.type_name)
+            inner = self.inside(member)
             length = member.count if member.lengths else None
             if inner is None or member.pointer:
                 kind = member.type_name if member.pointer else self.resolved(member.type_name)

@@ -198,6 +198,10 @@ class _Reader:
     def _structure(self, name: str) -> Structure:
         found = self._found.structure(name)
         assert found is not None
+        try:
+            self._found.field_count(found)
+        except DesignError as error:
+            raise DesignError(f"{self._file}: {name}: {error}") from error
         return found
 
     def _fields(self, name: str) -> tuple[CField, ...]:
@@ -210,7 +214,7 @@ class _Reader:
 
     def _check_members(self, structure: Structure, name: str) -> None:
         for member in structure.members:
-            inner = member.inner or self._found.structure(member.type_name)
+            inner = self._found.inside(member)
             if member.pointer:
                 raise DesignError(
                     f"{self._file}: {name} has a field that is neither a number nor an array: "
