@@ -4,9 +4,9 @@
 
 `python -m verification.fuzz.campaign [SECONDS [SEED]]` runs each target for so many seconds of a
 processor, so that it may run beside other work (`chrt --idle 0`), and adds its cases and time to
-`verification/fuzz/results.json` as it ends. Of that docs/reference/fuzzing.md is made; a target
-with a finding counts anew in the next campaign. Inputs with a finding are kept in build/fuzz/findings; `--repeat FILE`
-runs such a file again.
+`verification/fuzz/results.json` as it ends: one campaign at a time. Of that
+docs/reference/fuzzing.md is made. A target with a finding counts anew in the next campaign. Inputs
+with a finding are kept in build/fuzz/findings; `--repeat FILE` runs such a file again.
 """
 
 from __future__ import annotations
