@@ -4,7 +4,7 @@
 
 `python -m verification.fuzz.campaign [SECONDS [SEED]]` runs each target for so many seconds of a
 processor, so that it may run beside other work (`chrt --idle 0`), and adds its cases and time to
-`verification/fuzz/results.json` as it ends: one campaign at a time. Of that
+`verification/fuzz/results.json` as it ends; another campaign waits for its end. Of that
 docs/reference/fuzzing.md is made. A target with a finding counts anew in the next campaign. Inputs
 with a finding are kept in build/fuzz/findings; `--repeat FILE` runs such a file again.
 """
@@ -27,6 +27,8 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any
 
+from ravenbrick.image.locks import locked
+
 from tools.docs import tables
 from verification.commands import Counts, NoResultError
 from verification.fuzz.targets import Target, targets
@@ -39,6 +41,7 @@ BUILD = ROOT / "build" / "fuzz"
 PROGRAM = BUILD / "corpus" / "image" / "program.elf"
 Row = dict[str, Any]
 TARGET_SECONDS = 20
+CAMPAIGN = "that runs the fuzzing campaign"
 COUNTED = ("seconds", "case_count", "findings")
 GROWTH_MAX_KB = 512 * 1024
 # Of the Rust targets.
@@ -156,17 +159,16 @@ def added(row: Row, held: list[Row]) -> list[Row]:
     """The rows held, by name, with what a target's run adds to its own."""
     rows = {one["target"]: one for one in held}
     before = rows.get(row["target"], {})
+    if before.get("findings"):
+        before = {}  # They were corrected since, so that earlier cases say nothing.
     rows[row["target"]] = row | {name: row[name] + before.get(name, 0) for name in COUNTED}
     return [rows[name] for name in sorted(rows)]
 
 
 def campaign(seconds: int = TARGET_SECONDS, seed: int = 1, processors: int = 1) -> list[Row]:
-    """Every target; the rows, each of which is written as it comes, added to those held.
-
-    What was found before was corrected since, so that earlier cases of its target say nothing.
-    """
+    """Every target; the rows, each of which is written as it comes, added to those held."""
     build_image()
-    held = [row for row in tables.read_rows(RESULTS) if not row["findings"]]
+    held = tables.read_rows(RESULTS)
     groups = [*INPUTS, *range(len(targets(PROGRAM)))]
     random.Random(seed).shuffle(groups)  # a campaign may be stopped
     # A process for each group: what one leaves in memory is not another's.
@@ -192,9 +194,10 @@ def suite() -> Counts:
     RAVENBRICK_FUZZ_HOURS: so many hours of a processor, divided among the targets.
     """
     hours = float(os.environ.get("RAVENBRICK_FUZZ_HOURS", 0))
-    build_image()
-    groups = len(INPUTS) + len(targets(PROGRAM))
-    rows = campaign(round(3_600 * hours / groups) or TARGET_SECONDS)
+    with locked(BUILD, CAMPAIGN):
+        build_image()
+        groups = len(INPUTS) + len(targets(PROGRAM))
+        rows = campaign(round(3_600 * hours / groups) or TARGET_SECONDS)
     count = sum(row["case_count"] for row in rows)
     return Counts(count, count - sum(row["findings"] for row in rows))
 
@@ -219,9 +222,10 @@ def main() -> int:
     parser.add_argument("--processors", type=int, default=1)
     parser.add_argument("--repeat", type=Path, metavar="FILE", help="run a kept input again")
     chosen = parser.parse_args()
-    if chosen.repeat:
-        return repeat_finding(chosen.repeat)
-    rows = campaign(chosen.seconds, chosen.seed, chosen.processors)
+    with locked(BUILD, CAMPAIGN):
+        if chosen.repeat:
+            return repeat_finding(chosen.repeat)
+        rows = campaign(chosen.seconds, chosen.seed, chosen.processors)
     tables.main([])
     return 1 if any(row["findings"] for row in rows) else 0
 

@@ -33,6 +33,7 @@ def test_runs_of_a_target_are_counted_together() -> None:
     held = [row("b", 15, 1000, 0), row("c", 15, 7, 1)]
     assert added(row("b", 10, 100, 2), held) == [row("b", 25, 1100, 2), held[1]]
     assert added(row("a", 10, 100, 0), held) == [row("a", 10, 100, 0), *held]
+    assert added(row("c", 10, 100, 0), held) == [held[0], row("c", 10, 100, 0)]
 
 
 @pytest.mark.parametrize(("earlier_findings", "seconds"), [(0, 25), (1, 10)])

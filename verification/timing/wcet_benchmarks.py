@@ -40,6 +40,7 @@ from ravenbrick.timing.bounds import Bounds, ExecutionTimeError, execution_times
 from ravenbrick.timing.facts.facts import annotations_of
 
 from verification.support.paths import ROOT
+from verification.support.rust_examples import rust_example
 
 GROUPS = ("app", "kernel", "sequential", "test")
 COMPILER = "arm-none-eabi-gcc"
@@ -100,15 +101,9 @@ def compiled(folder: Path, output: Path, code: str, level: str) -> bytes:
     return output.read_bytes()
 
 
-@cache
 def example(name: str) -> Path:
     """A program of the crate: `observe` runs functions on the core, `search` looks for inputs."""
-    subprocess.run(
-        ["cargo", "build", "--locked", "--quiet", "--release", "-p", "wcet", f"--example={name}"],
-        cwd=ROOT / "virtual-brick",
-        check=True,
-    )
-    return ROOT / "virtual-brick" / "target" / "release" / "examples" / name
+    return rust_example(name, "-p", "wcet")
 
 
 def run(elf: Path, name: str, recursive: Sequence[str] = ()) -> list[str]:

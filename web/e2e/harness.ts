@@ -22,7 +22,7 @@ export const ROOT = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
 export const PICTURES = join(ROOT, "out", "page");
 export const COMMAND = join(ROOT, ".venv", "bin", "ravenbrick");
 export const VEHICLE = "examples/vehicle";
-// The first has no windows to draw, and takes a third less of a processor.
+// The first has no windows to draw, and takes 30 % less of a processor.
 const BROWSERS = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
 export const TIMEOUT_MS = 300_000;
 

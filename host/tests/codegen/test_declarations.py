@@ -142,8 +142,8 @@ def nested(levels: int, fields: str) -> str:
         ("typedef struct { char end; Own own; } Own;", "Own", "field 'own' of type Own"),
         ("typedef struct { B b; } A;\ntypedef struct { A a[2]; } B;", "A", "holds itself"),
         (nested(1_000, "T in;"), "T1000", "lie 100 deep"),
-        (nested(40, "T left; T right;"), "T40", "more than 10000; declare arrays"),
-        (nested(40, "T left[2]; T right[2];"), "T40", "more than 10000; declare arrays"),
+        (nested(40, "T left; T right;"), "T40", "more than 10000 fields"),
+        (nested(40, "T left[2]; T right[2];"), "T40", "more than 10000 fields"),
     ],
     ids=["itself", "each the other", "1,000 deep", "a tree of 2 to the 40", "arrays"],
 )

@@ -28,6 +28,7 @@ from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 ROOT = Path(__file__).resolve().parents[3]
 # Where the lowest slider is clicked, in parts of its width: 3 V
+CHROMIUM = "chromium-headless-shell"
 SET_POINTS = {"motor-bench": 0.8, "paper": 1 / 3}
 RAVENBRICK = [sys.executable, "-c", "from ravenbrick.cli import main; main()"]
 WIDTH, HEIGHT = 1040, 800
@@ -131,9 +132,9 @@ class Programs(ExitStack):
 
     def start_chromium(self) -> int:
         """The port of the developer tools of a headless browser with an empty page."""
-        chromium = shutil.which("chromium-headless-shell")
+        chromium = shutil.which(CHROMIUM)
         if chromium is None:
-            raise SystemExit("apt install chromium-headless-shell")
+            raise SystemExit(f"{CHROMIUM} is not installed: apt install {CHROMIUM}")
         profile = self.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
         debugger = free_port()
         options = ["--no-sandbox", "--disable-gpu", "--hide-scrollbars"]

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import virtual_brick
 
-from verification.support.paths import ROOT
+from verification.support.rust_examples import rust_example
 
 __all__ = ["BENCH", "Steps", "steps_in", "steps_of"]
 
@@ -84,13 +84,10 @@ def steps_in(elf: Path, windows: Sequence[tuple[int, int]]) -> list[Steps]:
     Raises:
         subprocess.CalledProcessError: The recorder could not be built or failed.
     """
-    crates = ROOT / "virtual-brick"
-    build = ["cargo", "build", "--locked", "--quiet", "--release", "--example", "steps"]
     # With the features of the compiled module, whose crates then need not be compiled again.
-    build += ["--no-default-features", "-p", "virtual-brick", "-p", "virtual-brick-python"]
-    subprocess.run(build, cwd=crates, check=True)
-    command = [str(crates / "target" / "release" / "examples" / "steps"), json.dumps(BENCH)]
-    command += [str(elf), *(str(cycle) for window in windows for cycle in window)]
+    packages = ("-p", "virtual-brick", "-p", "virtual-brick-python", "--no-default-features")
+    command = [str(rust_example("steps", *packages)), json.dumps(BENCH), str(elf)]
+    command += [str(cycle) for window in windows for cycle in window]
     done = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout
     brick = virtual_brick.VirtualBrick(json.dumps(BENCH), elf.read_bytes())
     records = np.frombuffer(done, RECORD)

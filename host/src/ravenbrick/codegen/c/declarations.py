@@ -107,8 +107,6 @@ class Declarations:
     aliases: dict[str, str] = field(default_factory=dict)
     variables: dict[str, Parameter] = field(default_factory=dict)
     functions: dict[str, tuple[Parameter, ...]] = field(default_factory=dict)
-    # By the identity of the structure.
-    _counts: dict[int, int] = field(default_factory=dict, repr=False, compare=False)
 
     def resolved(self, name: str) -> str:
         """The name behind `typedef`s."""
@@ -123,7 +121,7 @@ class Declarations:
         return self.structures.get(name) or self.structures.get(self.resolved(name))
 
     def inside(self, member: Member) -> Structure | None:
-        """The structure that a field is, or whose elements or pointer it is."""
+        """The structure of a field or of its elements, or to which it points, if there is one."""
         return member.inner or self.structure(member.type_name)
 
     def field_count(self, structure: Structure, depth: int = 0) -> int:
@@ -132,10 +130,7 @@ class Declarations:
         Raises:
             DesignError: A structure holds itself, or there are too many to be a model's.
         """
-        known = self._counts.get(id(structure))
-        if known is not None:
-            return known
-        count = len(structure.members)
+        count = 0
         for member in structure.members:
             inner = None if member.pointer else self.inside(member)
             if inner is not None and depth == _DEPTH_MAX:
@@ -144,13 +139,12 @@ class Declarations:
                     f"holds itself, or structures lie {_DEPTH_MAX} deep in each other; declare a "
                     "pointer, or fewer levels"
                 )
-            count += self.field_count(inner, depth + 1) if inner is not None else 0
-        if count > _FIELDS_MAX:
-            raise DesignError(
-                f"a structure has {count} fields with those inside, more than {_FIELDS_MAX}; "
-                "declare arrays of numbers"
-            )
-        self._counts[id(structure)] = count
+            count += 1 if inner is None else 1 + self.field_count(inner, depth + 1)
+            if count > _FIELDS_MAX:
+                raise DesignError(
+                    f"field '{member.name}' and those before it have more than {_FIELDS_MAX} "
+                    "fields inside; declare arrays of numbers"
+                )
         return count
 
     def _extent(self, member: Member) -> tuple[int, int]:
