@@ -155,6 +155,12 @@ def test_structures_without_end_are_refused_soon(text: str, name: str, words: st
         found.leaves(structure)
 
 
+def test_structures_without_names_may_lie_so_deep_only() -> None:
+    text = f"struct A {{ {'struct { ' * 3_000} int a; {'} b; ' * 3_000} }};"
+    with pytest.raises(DesignError, match=r"model\.h: structures lie 100 deep in each other"):
+        read_declarations({"model.h": text})
+
+
 def test_a_structure_may_point_to_itself() -> None:
     found = read_declarations({"model.h": "struct Node { struct Node *next; double value; };"})
     structure = found.structure("Node")

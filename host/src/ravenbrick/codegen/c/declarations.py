@@ -265,7 +265,7 @@ class _Reader:
                 alias = _POINTER if "*" in one else self._type_name(one[:-1])
                 self._found.aliases[one[-1]] = alias
 
-    def _structure(self) -> Structure | None:
+    def _structure(self, depth: int = 0) -> Structure | None:
         """From the word struct, union or enum to the closing brace."""
         kind = self._next()
         tag = self._next() if self._peek() != "{" else ""
@@ -278,17 +278,22 @@ class _Reader:
                 self._found.aliases[tag] = "int32_T"
             return None
         while self._peek() not in ("}", ""):
-            self._member(structure)
+            self._member(structure, depth)
         self._next()
         if tag:
             self._found.structures[tag] = structure
         return structure
 
-    def _member(self, structure: Structure) -> None:
+    def _member(self, structure: Structure, depth: int) -> None:
         """The fields of one declaration, which may have several: `double P, I[2], *next;`."""
         inner = None
         if self._peek() in ("struct", "union") and "{" in (self._peek(1), self._peek(2)):
-            inner = self._structure()
+            if depth == _DEPTH_MAX:
+                raise DesignError(
+                    f"{self._file}: structures lie {_DEPTH_MAX} deep in each other; declare fewer "
+                    "levels"
+                )
+            inner = self._structure(depth + 1)
         words, abouts = self._noted_statement()
         if ":" in words or "(" in words:
             raise DesignError(
