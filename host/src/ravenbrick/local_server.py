@@ -15,7 +15,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from mimetypes import guess_type
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZipFile
 
 from ravenbrick.errors import ToolMissingError, UsageError, shown_path
 
@@ -66,7 +66,7 @@ def packed_files(archive_file: Path) -> dict[str, bytes]:
     try:
         with ZipFile(archive_file) as archive:
             return {name: archive.read(name) for name in archive.namelist()}
-    except (OSError, BadZipFile) as error:
+    except Exception as error:  # readers of archives raise whatever their parts do
         raise ToolMissingError(
             f"{shown_path(archive_file)}: the page is missing or damaged ({error}); restore the "
             "file with 'git checkout', or build the page with 'make page'"

@@ -267,13 +267,32 @@ def test_a_number_that_no_model_has_ends_with_a_sentence(number: str, tmp_path: 
         import_simulink(path, 0.01)
 
 
-def test_an_archive_whose_directory_lies_before_the_file_is_damaged(tmp_path: Path) -> None:
-    """The end record says that the directory begins later than it does."""
-    path = split_model(tmp_path / "m.slx")
-    content = bytearray(path.read_bytes())
+def _directory_begins_later(content: bytearray) -> None:
+    """The end record says so."""
     place = slice(len(content) - 6, len(content) - 2)
     later = int.from_bytes(content[place], "little") + 1_000
     content[place] = later.to_bytes(4, "little")
+
+
+def _name_is_no_utf_8(content: bytearray) -> None:
+    """Before its data the first file has another name than in the directory, in UTF-8."""
+    content[7] |= 0x08
+    content[30] = 0xFF
+
+
+def _data_is_wrong(content: bytearray) -> None:
+    """Of the first file, whose name and length are as before."""
+    begin = 30 + int.from_bytes(content[26:28], "little")
+    content[begin : begin + 8] = b"\xff" * 8
+
+
+@pytest.mark.parametrize("damage", [_directory_begins_later, _name_is_no_utf_8, _data_is_wrong])
+def test_an_archive_that_cannot_be_unpacked_is_damaged(
+    damage: Callable[[bytearray], None], tmp_path: Path
+) -> None:
+    path = split_model(tmp_path / "m.slx")
+    content = bytearray(path.read_bytes())
+    damage(content)
     path.write_bytes(content)
     with pytest.raises(DesignError, match=r"m\.slx: the archive is damaged"):
         read_simulink(path)

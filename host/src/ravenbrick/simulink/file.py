@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import re
 import zipfile
-import zlib
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
@@ -17,10 +17,6 @@ from ravenbrick.simulink.counts import count_of
 
 __all__ = ["SimulinkBlock", "SimulinkScript", "SimulinkSystem", "read_simulink"]
 
-# A member that begins before the file does is an error of the system.
-_DAMAGED = (
-    zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError, zlib.error,
-)  # fmt: skip
 _LARGEST_BYTES = 64 << 20
 _MOST_FILES = 4000
 _DEEPEST = 200
@@ -103,19 +99,27 @@ def read_simulink(path: Path) -> SimulinkSystem:
     64 MB.
     """
     if zipfile.is_zipfile(path):
-        try:
-            with zipfile.ZipFile(path) as archive:
-                return _Archive(_Members(archive, path), path).root()
-        except _DAMAGED as error:
-            raise DesignError(
-                f"{path}: the archive is damaged: {error}; save the model again"
-            ) from error
+        with _unpacking(path):
+            archive = zipfile.ZipFile(path)
+        with archive:
+            return _Archive(_Members(archive, path), path).root()
     data = path.read_bytes()
     if len(data) > _LARGEST_BYTES:
         raise DesignError(f"{path}: larger than {_LARGEST_BYTES >> 20} MB")
     text = data.decode("utf-8", errors="replace")
     parts = _text_parts(text)
     return _Archive(parts, path).root() if parts else _mdl_root(text, path)
+
+
+@contextmanager
+def _unpacking(path: Path) -> Iterator[None]:
+    """Readers of archives raise whatever their parts do, of names that are no UTF-8 too."""
+    try:
+        yield
+    except Exception as error:
+        raise DesignError(
+            f"{path}: the archive is damaged: {error}; save the model again"
+        ) from error
 
 
 def _text_parts(text: str) -> dict[str, bytes]:
@@ -140,7 +144,7 @@ class _Members(Mapping[str, bytes]):
         self._names = {info.filename for info in infos}
 
     def __getitem__(self, name: str) -> bytes:
-        with self._archive.open(name) as file:
+        with _unpacking(self._path), self._archive.open(name) as file:
             data = file.read(_LARGEST_BYTES + 1)
         if len(data) > _LARGEST_BYTES:
             raise DesignError(f"{self._path}: {name} is larger than its entry says")
