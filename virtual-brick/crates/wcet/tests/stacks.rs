@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Ravenbrick contributors
 // SPDX-License-Identifier: Apache-2.0
-//! Stacks of functions with objects whose size is computed.
+//! Stacks of functions with objects whose size is computed, and of tasks.
 
 use crate::support::machine::Machine;
 use crate::support::report;
-use crate::support::toolchain::{build, program};
+use crate::support::toolchain::{build, in_each_state, program};
 use wcet::{MemoryMap, Request};
 
 /// Without optimisation the address of the object is kept in the frame, among other numbers. Thumb
@@ -96,4 +96,33 @@ fn a_stack_of_code_that_cannot_be_followed_says_which_fact_is_missing() {
     let refused = stack.error.as_deref().unwrap_or_default();
     assert!(refused.contains("[[call]] with 'targets'"), "{refused}");
     assert_eq!(stack.stack_bytes, None);
+}
+
+#[test]
+fn the_stack_of_a_task_is_that_of_all_its_jobs_and_of_what_comes_before_them() {
+    in_each_state("task_stacks", "-O1", |state, elf| {
+        let bodies = [
+            "deep_before_jobs",
+            "deep_in_jobs",
+            "lost_before_jobs",
+            "lost_in_jobs",
+        ];
+        let jobs = bodies.map(|body| format!("[[jobs]]\nbody = \"{body}\"\nwaits = [\"wait\"]\n"));
+        let request: Request = toml::from_str(&jobs.concat()).unwrap();
+        let map = MemoryMap::without_wait_states();
+        let answers = request.answer(elf, &map).unwrap().jobs;
+        let (deep, lost) = answers.split_at(2);
+        for task in deep {
+            let bytes = task.stack_bytes.unwrap_or_default();
+            assert!(
+                (400..450).contains(&bytes),
+                "{state}, {}: {bytes}",
+                task.symbol
+            );
+        }
+        for task in lost {
+            assert_eq!(task.stack_bytes, None, "{state}, {}", task.symbol);
+            assert_eq!(task.stack_lost.as_deref(), Some("task_stacks.c:28"));
+        }
+    });
 }

@@ -62,25 +62,23 @@ pub enum Endless {
 
 /// Effects of a function called with any arguments, whether or not it ever returns.
 pub fn effects(program: &Program<'_>, entry: Entry, endless: Endless) -> Result<Effects, Error> {
-    let mut search = Search {
-        program,
-        endless,
-        sections_wanted: true,
-        known: BTreeMap::new(),
-    };
-    search.function(entry)
+    Search::new(program, endless, true).function(entry)
+}
+
+/// Effects of the part of a function with which it begins.
+pub fn effects_of_part(
+    program: &Program<'_>,
+    entry: Entry,
+    part: &FunctionSummary,
+    endless: Endless,
+) -> Result<Effects, Error> {
+    Search::new(program, endless, true).graph(entry, part)
 }
 
 /// Stack of a function and the functions that it may execute, whether or not it ever returns. What
 /// has no bound in time, also in a critical section, does not matter.
 pub fn stack_of(program: &Program<'_>, entry: Entry) -> Result<Effects, Error> {
-    let mut search = Search {
-        program,
-        endless: Endless::Followed,
-        sections_wanted: false,
-        known: BTreeMap::new(),
-    };
-    search.function(entry)
+    Search::new(program, Endless::Followed, false).function(entry)
 }
 
 struct Search<'p, 'a> {
@@ -98,22 +96,36 @@ struct Calls {
     unbounded: Option<Error>,
 }
 
-impl Search<'_, '_> {
+impl<'p, 'a> Search<'p, 'a> {
+    fn new(program: &'p Program<'a>, endless: Endless, sections_wanted: bool) -> Self {
+        Self {
+            program,
+            endless,
+            sections_wanted,
+            known: BTreeMap::new(),
+        }
+    }
+
     fn function(&mut self, entry: Entry) -> Result<Effects, Error> {
         if let Some(known) = self.known.get(&entry) {
             return Ok(known.clone());
         }
         self.known.insert(entry, Effects::default());
         let summary = self.program.summary(entry, entry.0)?;
+        let found = self.graph(entry, &summary)?;
+        self.known.insert(entry, found.clone());
+        Ok(found)
+    }
+
+    fn graph(&mut self, entry: Entry, summary: &FunctionSummary) -> Result<Effects, Error> {
         let mut found = Effects {
             stack_bytes: Some(0),
             functions: BTreeSet::from([entry.0]),
             ..Effects::default()
         };
         if summary.avoided.first() != Some(&true) {
-            self.own(entry, &summary, &mut found)?;
+            self.own(entry, summary, &mut found)?;
         }
-        self.known.insert(entry, found.clone());
         Ok(found)
     }
 

@@ -12,7 +12,7 @@ use crate::inputs::facts::Facts;
 use crate::inputs::image::{Entry, Image};
 use crate::inputs::kernel::KernelConventions;
 use crate::inputs::memory_map::MemoryMap;
-use crate::loops::abstract_execution::LoopFinding;
+use crate::loops::abstract_execution::{LoopFinding, UNDECIDED_LIMIT};
 use crate::values::instruction::Environment;
 use crate::values::value::Value;
 use std::cell::{Cell, RefCell};
@@ -37,6 +37,8 @@ pub struct Program<'a> {
     pub(crate) paths_recorded: bool,
     /// Beginnings of names of functions, from whose calls to the end bounds tell the time.
     pub(crate) requesting: Vec<String>,
+    /// Iterations in a row after which a loop that may be left everywhere gets no bound.
+    pub(crate) undecided_limit: u64,
     pub(super) summaries: RefCell<BTreeMap<Entry, Rc<FunctionSummary>>>,
     pub(super) bounds: RefCell<BTreeMap<Entry, BTreeMap<Arguments, BoundResult>>>,
     /// Functions whose summary is being computed, each with the place of its call.
@@ -65,6 +67,7 @@ impl<'a> Program<'a> {
             memory_known: false,
             paths_recorded: false,
             requesting: Vec::new(),
+            undecided_limit: UNDECIDED_LIMIT,
             summaries: RefCell::default(),
             bounds: RefCell::default(),
             summarising: RefCell::default(),

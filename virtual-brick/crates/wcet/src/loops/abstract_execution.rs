@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 const STEP_LIMIT: u64 = 2_000_000;
 
 /// Iterations in a row after which a loop that may be left everywhere gives up.
-const UNDECIDED_LIMIT: u64 = 4096;
+pub const UNDECIDED_LIMIT: u64 = 4096;
 
 /// What was found out about a loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,6 +47,8 @@ pub struct AbstractExecution<'a, 'w> {
     pub limits: Vec<Option<u64>>,
     /// Instructions executed in one visit of a loop before it gives up.
     pub step_limit: u64,
+    /// Iterations in a row after which a loop that may be left everywhere gives up.
+    pub undecided_limit: u64,
     /// Look seldom whether a state repeats: few do, and comparing them needs a copy of memory.
     pub compare_rarely: bool,
     /// Most states at a block that are not joined.
@@ -103,6 +105,7 @@ impl<'a, 'w> AbstractExecution<'a, 'w> {
             findings: vec![LoopFinding::default(); forest.loops.len()],
             limits,
             step_limit: STEP_LIMIT,
+            undecided_limit: UNDECIDED_LIMIT,
             compare_rarely: false,
             max_partitions: 1,
         }
@@ -214,7 +217,7 @@ impl<'a, 'w> AbstractExecution<'a, 'w> {
                 return exits;
             };
             if before.as_ref() == Some(&back)
-                || undecided > UNDECIDED_LIMIT
+                || undecided > self.undecided_limit
                 || self.interpreter.step_count - steps_before > self.step_limit
             {
                 self.findings[index].unbounded = true;

@@ -399,6 +399,18 @@ impl Request {
         Ok((annotations, unmatched))
     }
 
+    /// Stacks alone: how often a loop is executed does not matter.
+    fn stacks(&self, known: &Program<'_>) -> Result<Vec<Answer>, Error> {
+        let mut program = Program::new(known.image, known.map, known.facts.annotations)?;
+        program.undecided_limit = 1;
+        let stacks = self.stacks.iter();
+        let found = stacks
+            .map(|symbol| Answer::stack(&program, symbol))
+            .collect();
+        program.facts.check()?;
+        Ok(found)
+    }
+
     /// Answers all questions. An error is one of the image or of the annotations as a whole.
     pub fn answer(&self, elf: &[u8], map: &MemoryMap) -> Result<Response, Error> {
         let image = Image::read(elf)?;
@@ -439,8 +451,7 @@ impl Request {
         response.background = background
             .map(|symbol| Answer::background(&program, symbol))
             .collect();
-        let stacks = self.stacks.iter();
-        response.stacks = stacks.map(|s| Answer::stack(&program, s)).collect();
+        response.stacks = self.stacks(&program)?;
         if let Some(known_memory) = &self.known_memory {
             let symbol = known_memory.calls.last().cloned().unwrap_or_default();
             let found = known_memory.bound(&image, map, &annotations);

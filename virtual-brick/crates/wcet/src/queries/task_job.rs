@@ -7,7 +7,7 @@
 use crate::elapsed::Elapsed;
 use crate::error::{Error, Place};
 use crate::functions::bound::bound_summary;
-use crate::functions::effects::{collect_functions, effects, Endless};
+use crate::functions::effects::{collect_functions, effects, effects_of_part, Endless};
 use crate::functions::endless_loop::endless_loop;
 use crate::functions::function_bound::{BoundOrigin, FunctionBound, RemainingTimes};
 use crate::functions::function_summary::FunctionSummary;
@@ -17,7 +17,7 @@ use crate::graph::loop_forest::LoopForest;
 use crate::graph::subgraph::Subgraph;
 use crate::inputs::image::Entry;
 use crate::paths::critical_section::{merge, CriticalSections};
-use crate::values::block_interpreter::{any_arguments, BlockInterpreter};
+use crate::values::block_interpreter::{any_arguments, deeper, BlockInterpreter};
 use crate::values::state::State;
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -77,13 +77,17 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
     let mut longest: Option<FunctionBound> = None;
     let (mut sections, mut remaining) = (CriticalSections::new(), RemainingTimes::new());
     let (mut reached, mut inside) = (BTreeSet::new(), BTreeSet::new());
+    let (mut stack_bytes, mut stack_lost) = (Some(0), None);
     for block in &waiting {
         for (start, state) in resume_points(program, &summary, *block) {
-            let bound = bound_one_job(program, entry, &summary, &waiting, start, state)?;
+            let part = part_of(program, &summary, &waiting, start)?;
+            let bound = bound_one_job(program, entry, &part, state)?;
             let mut loops = bound.loops.iter();
             if let Some(endless) = loops.find(|found| found.origin == BoundOrigin::NotNeeded) {
                 return Ok(TaskBody::Endless(program.image.place(endless.address)));
             }
+            stack_bytes = deeper(stack_bytes, bound.stack_bytes);
+            stack_lost = stack_lost.or(bound.stack_lost);
             merge(&mut sections, &bound.sections);
             merge(&mut remaining, &bound.remaining);
             collect_functions(&bound, &|_| false, &mut reached);
@@ -101,10 +105,11 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
         }
     }
     let longest = longest.ok_or_else(|| Error::NeverReturns(program.image.place(entry.0)))?;
-    let whole = effects(program, entry, Endless::EndsProgram)?;
+    let begin = part_of(program, &summary, &waiting, 0)?;
+    let before = effects_of_part(program, entry, &begin, Endless::EndsProgram)?;
     Ok(TaskBody::Jobs(JobBound {
-        stack_bytes: whole.stack_bytes,
-        stack_lost: whole.stack_lost,
+        stack_bytes: deeper(before.stack_bytes, stack_bytes),
+        stack_lost: before.stack_lost.or(stack_lost),
         reached,
         inside,
         waits: callees.iter().map(|callee| callee.0).collect(),
@@ -199,14 +204,13 @@ fn resume_points(
         .collect()
 }
 
-fn bound_one_job(
+/// The part of a body from a block to the next waits.
+fn part_of(
     program: &Program<'_>,
-    entry: Entry,
     whole: &FunctionSummary,
     waiting: &[usize],
     start: usize,
-    state: State,
-) -> Result<FunctionBound, Error> {
+) -> Result<FunctionSummary, Error> {
     let part = Subgraph::new(
         &whole.flow,
         start,
@@ -223,16 +227,23 @@ fn bound_one_job(
     });
     let numbers: Vec<usize> = numbers.collect();
     let graph = (part.flow, forest);
-    let summary = FunctionSummary {
+    Ok(FunctionSummary {
         returns: true,
         changed: whole.changed,
         callees: whole.callees.clone(),
         ..FunctionSummary::of_graph(&program.facts, program.map, graph, numbers)?
-    };
-    let mut state = state;
+    })
+}
+
+fn bound_one_job(
+    program: &Program<'_>,
+    entry: Entry,
+    part: &FunctionSummary,
+    mut state: State,
+) -> Result<FunctionBound, Error> {
     state.elapsed = Elapsed::begin(program.paths_recorded);
     program.bounding.borrow_mut().push(entry);
-    let bound = bound_summary(program, entry, &summary, state);
+    let bound = bound_summary(program, entry, part, state);
     program.bounding.borrow_mut().pop();
     bound
 }
