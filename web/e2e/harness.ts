@@ -131,7 +131,7 @@ interface Fixtures {
   /** Serve a project until all tests are done; the same words give the same server. */
   view: (...words: string[]) => Promise<string>;
   /** The same for `ravenbrick studio`. */
-  studio: (project: string) => Promise<string>;
+  studio: (...words: string[]) => Promise<string>;
   /** What `ravenbrick analyse` found for the vehicle. */
   bounds: AnalysedTask[];
   /** Address of the vehicle with the scenario `drive`, with none, and designed, with `step`. */
@@ -144,6 +144,20 @@ interface Fixtures {
 
 const forAllTests = { scope: "worker" } as const;
 
+/** Hand out servers of a command, one for the same words, and end them when they are not used. */
+async function serveForAll(
+  command: "view" | "studio",
+  use: (address: (...words: string[]) => Promise<string>) => Promise<void>,
+) {
+  const servers = new Map<string, Promise<Served>>();
+  await use(async (...words) => {
+    const server = servers.get(words.join()) ?? serve(command, ...words);
+    servers.set(words.join(), server);
+    return (await server).address;
+  });
+  for (const server of servers.values()) (await server).end();
+}
+
 export const test = base.extend<Fixtures>({
   browser: [
     async ({}, use) => {
@@ -153,29 +167,9 @@ export const test = base.extend<Fixtures>({
     },
     forAllTests,
   ],
-  view: [
-    async ({}, use) => {
-      const servers = new Map<string, Promise<Served>>();
-      await use(async (...words) => {
-        const server = servers.get(words.join()) ?? serve("view", ...words);
-        servers.set(words.join(), server);
-        return (await server).address;
-      });
-      for (const server of servers.values()) (await server).end();
-    },
-    forAllTests,
-  ],
-  studio: [
-    async ({}, use) => {
-      const servers: Served[] = [];
-      await use(async (project) => {
-        servers.push(await serve("studio", project));
-        return servers.at(-1)!.address;
-      });
-      for (const server of servers) server.end();
-    },
-    forAllTests,
-  ],
+  view: [async ({}, use) => serveForAll("view", use), forAllTests],
+  studio: [async ({}, use) => serveForAll("studio", use), forAllTests],
+
   bounds: [
     async ({}, use) => {
       await build(VEHICLE);
