@@ -144,7 +144,7 @@ interface Fixtures {
 
 const forAllTests = { scope: "worker" } as const;
 
-/** Hand out servers of a command, one for the same words, and end them when they are not used. */
+/** Hand out servers of a command, one for the same words, and end them when all tests are done. */
 async function serveForAll(
   command: "view" | "studio",
   use: (address: (...words: string[]) => Promise<string>) => Promise<void>,
@@ -169,7 +169,6 @@ export const test = base.extend<Fixtures>({
   ],
   view: [async ({}, use) => serveForAll("view", use), forAllTests],
   studio: [async ({}, use) => serveForAll("studio", use), forAllTests],
-
   bounds: [
     async ({}, use) => {
       await build(VEHICLE);

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 import threading
 import urllib.error
 import urllib.request
+import zipfile
 from http.server import ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -98,7 +100,18 @@ def test_a_question_that_cannot_be_answered_is_refused(
         read_scenario(path, read_robot(project))
 
 
-@pytest.mark.parametrize("content", [None, b"PK"])
+def page_whose_data_is_wrong() -> bytes:
+    """An archive in order, of whose only file no data can be unpacked."""
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as page:
+        page.writestr("index.html", "<!doctype html>")
+    begin = 30 + len("index.html")
+    content = bytearray(archive.getvalue())
+    content[begin : begin + 4] = b"\xff" * 4
+    return bytes(content)
+
+
+@pytest.mark.parametrize("content", [None, b"PK", page_whose_data_is_wrong()])
 def test_a_missing_or_damaged_page_is_named_with_the_command_that_restores_it(
     project: Path, monkeypatch: pytest.MonkeyPatch, content: bytes | None
 ) -> None:

@@ -135,8 +135,8 @@ impl<'p, 'a> ContextSensitiveCalls<'p, 'a> {
         interpreter.calls = Some(self);
         interpreter.avoided = &summary.avoided;
         let limits = summary.limits_within(&self.call_string.borrow());
-        let mut execution = AbstractExecution::new(interpreter, forest, limits);
-        execution.undecided_limit = self.program.undecided_limit;
+        let mut execution =
+            AbstractExecution::new(interpreter, forest, limits, self.program.undecided_limit);
         if self.memory_known {
             execution.interpreter.visits = Some(&summary.visits);
             execution.step_limit = self.step_limit.get();

@@ -65,14 +65,13 @@ pub fn effects(program: &Program<'_>, entry: Entry, endless: Endless) -> Result<
     Search::new(program, endless, true).function(entry)
 }
 
-/// Effects of the part of a function with which it begins.
+/// Effects of the part of a function with which it begins; calls that never return end the program.
 pub fn effects_of_part(
     program: &Program<'_>,
     entry: Entry,
     part: &FunctionSummary,
-    endless: Endless,
 ) -> Result<Effects, Error> {
-    Search::new(program, endless, true).graph(entry, part)
+    Search::new(program, Endless::EndsProgram, true).graph(entry, part)
 }
 
 /// Stack of a function and the functions that it may execute, whether or not it ever returns. What

@@ -40,8 +40,8 @@ pub fn execute(
     interpreter.calls = Some(&calls);
     interpreter.avoided = &summary.avoided;
     let limits = summary.limits_within(&[entry]);
-    let mut execution = AbstractExecution::new(interpreter, forest, limits);
-    execution.undecided_limit = program.undecided_limit;
+    let mut execution =
+        AbstractExecution::new(interpreter, forest, limits, program.undecided_limit);
     let returned = execution.run(state);
     program.note_steps(execution.interpreter.step_count);
     let (active, returns) = (program.bounding.borrow(), !returned.is_empty());

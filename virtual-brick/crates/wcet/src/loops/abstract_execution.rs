@@ -48,7 +48,7 @@ pub struct AbstractExecution<'a, 'w> {
     /// Instructions executed in one visit of a loop before it gives up.
     pub step_limit: u64,
     /// Iterations in a row after which a loop that may be left everywhere gives up.
-    pub undecided_limit: u64,
+    undecided_limit: u64,
     /// Look seldom whether a state repeats: few do, and comparing them needs a copy of memory.
     pub compare_rarely: bool,
     /// Most states at a block that are not joined.
@@ -98,6 +98,7 @@ impl<'a, 'w> AbstractExecution<'a, 'w> {
         interpreter: BlockInterpreter<'w>,
         forest: &'a LoopForest,
         limits: Vec<Option<u64>>,
+        undecided_limit: u64,
     ) -> Self {
         Self {
             interpreter,
@@ -105,7 +106,7 @@ impl<'a, 'w> AbstractExecution<'a, 'w> {
             findings: vec![LoopFinding::default(); forest.loops.len()],
             limits,
             step_limit: STEP_LIMIT,
-            undecided_limit: UNDECIDED_LIMIT,
+            undecided_limit,
             compare_rarely: false,
             max_partitions: 1,
         }

@@ -106,7 +106,7 @@ pub fn bound_job(program: &Program<'_>, task: &Task) -> Result<TaskBody, Error> 
     }
     let longest = longest.ok_or_else(|| Error::NeverReturns(program.image.place(entry.0)))?;
     let begin = part_of(program, &summary, &waiting, 0)?;
-    let before = effects_of_part(program, entry, &begin, Endless::EndsProgram)?;
+    let before = effects_of_part(program, entry, &begin)?;
     Ok(TaskBody::Jobs(JobBound {
         stack_bytes: deeper(before.stack_bytes, stack_bytes),
         stack_lost: before.stack_lost.or(stack_lost),

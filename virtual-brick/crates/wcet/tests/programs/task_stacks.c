@@ -23,7 +23,7 @@ ANY static void deep(void)
         level = large[0];
 }
 
-ANY static void without_end(unsigned length)
+ANY static void any_length(unsigned length)
 {
         char any[length];
         touch(any);
@@ -49,7 +49,7 @@ void deep_in_jobs(void)
 
 void lost_before_jobs(void)
 {
-        without_end(level);
+        any_length(level);
         for (;;)
                 wait();
 }
@@ -58,6 +58,6 @@ void lost_in_jobs(void)
 {
         for (;;) {
                 wait();
-                without_end(level);
+                any_length(level);
         }
 }
