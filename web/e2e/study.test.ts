@@ -12,10 +12,13 @@ const KP_NOW = '[aria-label="Kp in the program"]';
 async function runTo(page: Page, seconds: number): Promise<void> {
   await page.selectOption("#speed", "Infinity");
   await page.click("#run");
-  // The page itself pauses: it may be minutes further when a busy machine has brought a click.
+  // The page itself pauses: it may be minutes further when a busy machine has brought a click. It
+  // may be there before it runs, too, and a click would not pause it then.
   await page.waitForFunction((end) => {
-    const there = Number.parseFloat(document.querySelector("#time")?.textContent ?? "0") >= end;
-    if (there) document.querySelector<HTMLButtonElement>("#run")?.click();
+    const run = document.querySelector<HTMLButtonElement>("#run");
+    const time = Number.parseFloat(document.querySelector("#time")?.textContent ?? "0");
+    const there = run?.textContent === "Pause" && time >= end;
+    if (there) run.click();
     return there;
   }, seconds);
   await waitForText(page, "#run", /^Run$/);
