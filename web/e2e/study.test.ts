@@ -12,8 +12,8 @@ const KP_NOW = '[aria-label="Kp in the program"]';
 async function runTo(page: Page, seconds: number): Promise<void> {
   await page.selectOption("#speed", "Infinity");
   await page.click("#run");
-  // The page itself pauses: it may be minutes further when a busy machine has brought a click. It
-  // may be there before it runs, too, and a click would not pause it then.
+  // The page itself pauses: it may be minutes further when a busy machine has brought a click.
+  // While the worker has not answered yet, a click would ask to run once more.
   await page.waitForFunction((end) => {
     const run = document.querySelector<HTMLButtonElement>("#run");
     const time = Number.parseFloat(document.querySelector("#time")?.textContent ?? "0");
